@@ -60,7 +60,7 @@ async fn arrangement(own: bool, samples: usize) -> Result<()> {
         let gates = gates.get_or_init(|| Gates::build(&dir.join("gates")));
         gates.environment().map(|(name, value)| (name, value.to_owned())).to_vec()
     })?;
-    let mut bench = Bench::open(&running)?;
+    let mut bench = EStopBench::open(&running)?;
     running.mode_until("start", "stand-by")?;
     for load in [Load::None, Load::Processors, Load::Disk, Load::SlowRecords] {
         let loaded = Loaded::begin(load, &running.dir.join("state"))?;
@@ -81,7 +81,7 @@ async fn arrangement(own: bool, samples: usize) -> Result<()> {
 }
 
 /// An operator with a button of the bar's panel and the console, and an eye on the bus.
-struct Bench {
+struct EStopBench {
     commands: Publisher<Text>,
     advance: Publisher<Flag>,
     /// The bus of the bar's devices.
@@ -95,7 +95,7 @@ struct Bench {
     _node: RosNode,
 }
 
-impl Bench {
+impl EStopBench {
     fn open(running: &Running) -> Result<Self> {
         let line = &running.line;
         let args = RosArgs { domain_id: running.domain, ..RosArgs::default() };
@@ -110,7 +110,7 @@ impl Bench {
         let pressed = line.console.inputs.iter().position(|name| name == "ES_pressed").ok_or("it has the button")?;
         let pressed_bit =
             console.input_bits().iter().position(|input| input.is_some_and(|input| input.index() == pressed));
-        Ok(Bench {
+        Ok(EStopBench {
             commands: node.publisher("mode_cmd", qos::command())?,
             advance: node.publisher("transfer/advance", qos::command())?,
             bar_bus: CanBus::open(&bar_bus, &options)?,

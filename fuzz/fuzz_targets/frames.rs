@@ -12,9 +12,9 @@ use linewright_testkit::{device_frames, manager_frames};
 fuzz_target!(|input: &[u8]| {
     let Some((which, script)) = input.split_first() else { return };
     if which & 1 == 0 {
-        manager_frames::Bench::set_up().play(script);
+        manager_frames::ManagerFramesBench::set_up().play(script);
     } else {
-        device_frames::Bench::set_up().play(script);
+        device_frames::DeviceBench::set_up().play(script);
     }
 });
 

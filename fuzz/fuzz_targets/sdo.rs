@@ -109,7 +109,7 @@ fn checksum(data: &[u8]) -> u16 {
     rest as u16
 }
 
-struct Bench {
+struct SdoBench {
     client: SdoClient,
     server: SdoServer,
     store: Store,
@@ -123,7 +123,7 @@ struct Bench {
     done: bool,
 }
 
-impl Bench {
+impl SdoBench {
     fn send_to_server(&mut self, raw: &SdoBytes) {
         let mut out = Vec::new();
         self.store.heard.push(*raw);
@@ -187,7 +187,7 @@ fuzz_target!(|input: &[u8]| {
     let pattern: Vec<u8> = (0..len).map(|at| (at * 7 + at / 251) as u8).collect();
     let writes = kind & 1 == 1;
     let was = if writes { vec![1, 2, 3] } else { pattern.clone() };
-    let mut bench = Bench {
+    let mut bench = SdoBench {
         client: if writes {
             SdoClient::download(object, &*pattern, options)
         } else {

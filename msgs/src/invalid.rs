@@ -106,23 +106,3 @@ pub(crate) fn indices(field: &'static str, indices: &[u16], count: usize) -> Res
         None => Ok(()),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_text_is_cut_where_a_character_ends() {
-        assert_eq!(fitting("short".to_owned()), "short");
-        let longest = "ä".repeat(TEXT_BYTES_MAX / 2);
-        assert_eq!(fitting(longest.clone()), longest);
-        for before in 0..4 {
-            let cut = fitting("a".repeat(before) + &longest + "bb");
-            assert!(
-                cut.len() <= TEXT_BYTES_MAX && cut.len() > TEXT_BYTES_MAX - 8 && cut.ends_with(" …"),
-                "{}",
-                cut.len()
-            );
-        }
-    }
-}

@@ -8,7 +8,7 @@
 use byteorder::LittleEndian;
 use linewright_msgs::{
     Invalid, LineState, ModeOrder, OrderState, ProcessImage, RosMessage, RunTaskGoal, RunTaskResult, StationEvent,
-    StationState, TEXT_BYTES_MAX, Text,
+    StationState, TEXT_BYTES_MAX, Text, fitting,
 };
 use proptest::prelude::*;
 
@@ -152,5 +152,16 @@ proptest! {
             // Whatever its content, it came out of these few bytes.
             prop_assert!(message.done.len() + message.started.len() + message.places.len() <= bytes.len());
         }
+    }
+}
+
+#[test]
+fn a_text_is_cut_where_a_character_ends() {
+    assert_eq!(fitting("short".to_owned()), "short");
+    let longest = "ä".repeat(TEXT_BYTES_MAX / 2);
+    assert_eq!(fitting(longest.clone()), longest);
+    for before in 0..4 {
+        let cut = fitting("a".repeat(before) + &longest + "bb");
+        assert!(cut.len() <= TEXT_BYTES_MAX && cut.len() > TEXT_BYTES_MAX - 8 && cut.ends_with(" …"), "{}", cut.len());
     }
 }

@@ -117,20 +117,26 @@ fn room_is_used_before_the_disk_is_asked_for_more_and_a_restart_keeps_it() {
     assert_eq!(numbers(&path).len(), 100);
 }
 
+/// A log with room, after these steps, on a disk whose next operation fails.
+fn on_a_disk_that_fails_next(path: &Path, steps: impl Fn(&mut RecordLog)) -> RecordLog {
+    let begun = |first: usize, count: usize| {
+        let (disk, counted) = FailsAt::disk(first, count);
+        let (mut log, _) = RecordLog::open_on(disk, path, b"numbers", |_| Ok(())).expect("it opens");
+        log.make_room(1_000).expect("there is room");
+        steps(&mut log);
+        (log, counted.done.load(Ordering::Relaxed))
+    };
+    let (log, operations) = begun(usize::MAX, 0);
+    drop(log);
+    std::fs::remove_dir_all(path.parent().expect("a directory")).expect("it is removed");
+    begun(operations, 1).0
+}
+
 #[test]
 fn a_write_that_fails_once_leaves_the_room_for_the_next() {
     let dir = tempfile::tempdir().expect("a directory");
     let path = dir.path().join("log");
-    // Two operations make the log, one the room; the record comes next.
-    let (disk, counted) = FailsAt::disk(usize::MAX, 0);
-    let (mut log, _) = RecordLog::open_on(disk, &path, b"numbers", |_| Ok(())).expect("it opens");
-    log.make_room(1_000).expect("there is room");
-    let first = counted.done.load(Ordering::Relaxed);
-    drop(log);
-    std::fs::remove_dir_all(dir.path()).expect("it is removed");
-    let (disk, _) = FailsAt::disk(first, 1);
-    let (mut log, _) = RecordLog::open_on(disk, &path, b"numbers", |_| Ok(())).expect("it opens");
-    log.make_room(1_000).expect("there is room");
+    let mut log = on_a_disk_that_fails_next(&path, |_| {});
     let (room, length) = (log.room(), std::fs::metadata(log.name()).expect("it is there").len());
     // Half of it is in the file then.
     assert!(matches!(log.append([&[255; 100][..]]), Err(LogError::File { .. })));
@@ -145,18 +151,9 @@ fn a_write_that_fails_once_leaves_the_room_for_the_next() {
 fn a_snapshot_that_cannot_be_written_leaves_the_log_as_it_is_with_its_room() {
     let dir = tempfile::tempdir().expect("a directory");
     let path = dir.path().join("log");
-    // Two operations make the log, one the room, one the record.
-    let (disk, counted) = FailsAt::disk(usize::MAX, 0);
-    let (mut log, _) = RecordLog::open_on(disk, &path, b"numbers", |_| Ok(())).expect("it opens");
-    log.make_room(1_000).expect("there is room");
-    log.append([&1_u64.to_le_bytes()[..]]).expect("it is written");
-    let first = counted.done.load(Ordering::Relaxed);
-    drop(log);
-    std::fs::remove_dir_all(dir.path()).expect("it is removed");
-    let (disk, _) = FailsAt::disk(first, 1);
-    let (mut log, _) = RecordLog::open_on(disk, &path, b"numbers", |_| Ok(())).expect("it opens");
-    log.make_room(1_000).expect("there is room");
-    log.append([&1_u64.to_le_bytes()[..]]).expect("it is written");
+    let mut log = on_a_disk_that_fails_next(&path, |log| {
+        log.append([&1_u64.to_le_bytes()[..]]).expect("it is written");
+    });
     let room = log.room();
     assert!(matches!(log.begin_anew(&1_u64.to_le_bytes()), Err(LogError::File { .. })));
     assert!(!log.has_failed() && log.room() == room && !path.with_extension("new").exists());

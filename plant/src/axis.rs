@@ -83,34 +83,3 @@ impl AxisState {
         self.since + Duration::from_micros((micros as u64).max(1))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn a_motion_takes_exactly_its_time() {
-        let mut axis = AxisState::standing(0.0);
-        axis.change(Tick::from_millis(10), Some(Travel { target: 100.0, speed: 100.0 / 700_000.0 }));
-        assert_eq!(axis.arrival(), Some(Tick::from_millis(710)));
-        assert_eq!(axis.position(Tick::from_millis(710)), 100.0);
-        assert!(axis.position(Tick::from_micros(709_999)) < 100.0);
-        assert_eq!(axis.position(Tick::from_millis(5000)), 100.0);
-    }
-
-    proptest! {
-        #[test]
-        fn it_arrives_at_its_arrival_and_not_a_tick_earlier(
-            from in -1000.0..1000.0f64, target in -1000.0..1000.0f64, micros in 1000u64..100_000_000
-        ) {
-            prop_assume!((target - from).abs() > 1e-3);
-            let mut axis = AxisState::standing(from);
-            axis.change(Tick::ZERO, Some(Travel { target, speed: (target - from).abs() / micros as f64 }));
-            let arrival = axis.arrival().unwrap();
-            prop_assert_eq!(axis.position(arrival), target);
-            prop_assert!(axis.position(arrival - Duration::from_micros(1)) != target);
-            prop_assert!(arrival.as_micros().abs_diff(micros) <= 1);
-        }
-    }
-}

@@ -5,9 +5,11 @@ use std::time::Duration;
 
 use linewright_canopen::{BusEvent, NodeId};
 use linewright_line::{
-    Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, Follows, InputId, Lag, OutputId, When,
+    Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, Follows, InputId, Lag, OutputId, Timing, When,
 };
+use linewright_plant::{DeviceNode, DeviceOutbox};
 
+use crate::alone::Alone;
 use crate::managed::Managed;
 use linewright_testkit::presses::{BACK, FORWARD, FRONT, line};
 
@@ -185,4 +187,49 @@ fn channels_that_are_switched_off_while_it_runs_wait_until_they_are_on_again() {
         bus.run(2);
         assert!(!bus.sent("284#").is_empty(), "{on}");
     }
+}
+
+/// An I/O device with these channels, without a manager.
+fn alone(channels: &Analogue) -> Alone<Box<DeviceNode>> {
+    let device = |now, node| Box::new(DeviceNode::new(now, node, 8, 8, &Timing::default()).with_channels(channels));
+    Alone::started(4, device)
+}
+
+/// What channel 3 measures, from now on with these inputs and outputs of the mechanisms.
+fn measured(bench: &mut Alone<Box<DeviceNode>>, inputs: u128, outputs: u128) -> i16 {
+    bench.device.set_plant(bench.now, inputs, outputs, &mut DeviceOutbox::default());
+    let data = bench.read("6401:3").expect("it measures");
+    i16::from_le_bytes([data[0], data[1]])
+}
+
+#[test]
+fn without_a_model_a_number_fits_what_the_switches_are() {
+    let mut channels = analogue(None);
+    channels.inputs[0].broken = Some(InputId(9));
+    let of = &channels.inputs[0];
+    let mut bench = alone(&channels);
+    for image in [0, PRESSURE_OK, PRESSURE_LOW] {
+        let number = measured(&mut bench, image, 0);
+        for was in [false, true] {
+            let now: Vec<bool> = of.inputs.iter().map(|(_, when)| of.holds(*when, number, was)).collect();
+            assert_eq!(now, [image == PRESSURE_OK, image == PRESSURE_LOW], "{number}");
+        }
+    }
+    assert_eq!(measured(&mut bench, 1 << 9, 0), i16::MAX);
+    let both = measured(&mut bench, PRESSURE_OK | PRESSURE_LOW, 0);
+    assert!(of.is_measured(both), "both at once cannot be; it stays a measurement");
+}
+
+#[test]
+fn a_value_follows_its_output_by_the_exponential_from_wherever_it_is() {
+    let mut bench = alone(&analogue(pump()));
+    let mut after = |millis: u64, outputs: u128| {
+        bench.pass(millis);
+        measured(&mut bench, 0, outputs)
+    };
+    let expected = |passed: f64| (600.0 * (1.0 - (-passed / 100.0f64).exp())).round() as i16;
+    assert_eq!([after(0, 0), after(0, FORWARD)], [0; 2]);
+    assert_eq!([50, 50, 900].map(|millis| after(millis, FORWARD)), [50.0, 100.0, 1000.0].map(expected));
+    assert_eq!(after(0, 0), 600);
+    assert_eq!(after(100, 0), 221, "600 / e");
 }

@@ -1,10 +1,14 @@
 //! The simulated drive on its own, led through the figure of the profile by controlwords as a technician would send
 //! them: every state and every transition, on the wire.
 
+use std::collections::BTreeSet;
+use std::time::Duration;
+
 use linewright_canopen::sdo::Abort;
 use linewright_canopen::{Frame, NodeId};
 use linewright_line::{AtRest, Tick, Timing};
 use linewright_plant::{CanDevice, DeviceOutbox, DriveNode, MotionFault};
+use proptest::prelude::*;
 
 use crate::alone::{Alone, refused};
 use crate::drive_bench::described;
@@ -80,7 +84,90 @@ impl Alone<Box<DriveNode>> {
     }
 }
 
-/// The effect of each controlword in each state is a table in `device/drive/machine.rs`, with a test of its own.
+/// The arrows of the figure of the power drive system that a command drives: number, from, to, and the commands as its table
+/// prints them, bits 7, 3, 2, 1, 0 (x: does not matter; ^: a rising edge).
+const FIGURE: &[(u8, &str, &str, &[&str])] = &[
+    (2, "disabled", "ready", &["0x110", "1x110"]),
+    (3, "ready", "on", &["xx111"]),
+    (4, "on", "enabled", &["x1111"]),
+    (5, "enabled", "on", &["x0111"]),
+    (6, "on", "ready", &["xx110"]),
+    (7, "ready", "disabled", &["xxx0x", "xx01x"]),
+    (8, "enabled", "ready", &["xx110"]),
+    (9, "enabled", "disabled", &["xxx0x"]),
+    (10, "on", "disabled", &["xxx0x", "xx01x"]),
+    (11, "enabled", "quick stop", &["xx01x"]),
+    (12, "quick stop", "disabled", &["xxx0x"]),
+    (15, "fault", "disabled", &["^xxxx"]),
+    (16, "quick stop", "enabled", &["x1111"]),
+];
+
+fn fits(pattern: &str, word: u16, before: u16) -> bool {
+    let bits = [7, 3, 2, 1, 0];
+    pattern.bytes().zip(bits).all(|(digit, bit)| match digit {
+        b'x' => true,
+        b'^' => word >> bit & 1 == 1 && before >> bit & 1 == 0,
+        digit => (digit == b'1') == (word >> bit & 1 == 1),
+    })
+}
+
+/// Where a controlword leads by the figure, arrow by arrow. `stays`: the quick stop can be left by arrow 16.
+fn led(mut state: &'static str, word: u16, mut before: u16, stays: bool, seen: &mut BTreeSet<u8>) -> &'static str {
+    loop {
+        let fits = |commands: &[&str]| commands.iter().any(|command| fits(command, word, before));
+        let arrows: Vec<_> = FIGURE.iter().filter(|(_, from, _, commands)| *from == state && fits(commands)).collect();
+        assert!(arrows.len() <= 1, "{state} {word:04X}: the commands of one state exclude each other");
+        let Some((number, _, to, _)) = arrows.first().filter(|(number, ..)| stays || *number != 16) else {
+            return state;
+        };
+        seen.insert(*number);
+        (state, before) = (to, word);
+    }
+}
+
+/// In a state, in which it stands but for a quick stop that it cannot leave; bit 7 of the controlwords on the way is this.
+fn standing_in(state: &str, stays: bool, bit: u16) -> Alone<Box<DriveNode>> {
+    let mut bench = if stays { started() } else { moving() };
+    bench.put("605A", &[if stays { 6 } else { 2 }, 0]);
+    let words: &[u16] = match state {
+        "disabled" => &[0x00],
+        "ready" => &[0x06],
+        "on" => &[0x06, 0x07],
+        "enabled" | "fault" => &[0x06, 0x07, 0x0F],
+        _ if stays => &[0x06, 0x07, 0x0F, 0x02],
+        _ => &[0x02],
+    };
+    words.iter().for_each(|word| _ = bench.word(word | bit));
+    if state == "fault" {
+        // It was stuck on its way to a target, and is free again.
+        bench.put("6081", &10_000u32.to_le_bytes());
+        bench.put("607A", &80_000i32.to_le_bytes());
+        bench.word(0x2F | bit);
+        bench.word(0x3F | bit);
+        let mut out = DeviceOutbox::default();
+        bench.device.fail(bench.now, 1, Some(MotionFault::Stick), &mut out);
+        bench.pass(2000);
+        bench.device.fail(bench.now, 1, None, &mut out);
+    }
+    assert_eq!(bench.state(), state);
+    bench
+}
+
+#[test]
+fn every_controlword_in_every_state_leads_along_the_arrows_of_the_figure() {
+    let mut seen = BTreeSet::new();
+    let states = ["disabled", "ready", "on", "enabled", "quick stop", "fault"].map(|state| (state, true));
+    for (state, stays) in states.into_iter().chain([("quick stop", false)]) {
+        for (word, before) in (0..=0x1FF).flat_map(|word| [(word, 0x00), (word, 0x80)]) {
+            let expected = led(state, word, before, stays, &mut seen);
+            let found = standing_in(state, stays, before).word(word);
+            // One that is not to stay ends by itself once it stands; until then it may be left for disabled alone.
+            assert!(found == expected || !stays && found == state, "{state} {word:04X} after {before:04X}: {found}");
+        }
+    }
+    assert_eq!(seen.len(), FIGURE.len());
+}
+
 #[test]
 fn from_nothing_to_enabled_and_back() {
     let mut bench = Alone::new(5, drive);
@@ -161,6 +248,75 @@ fn a_fault_reacts_fails_and_is_reset_by_an_edge() {
     bench.device.fail(bench.now, 0, None, &mut out);
     bench.word(0x00);
     assert_eq!(bench.word(0x80), "disabled", "15");
+}
+
+/// Enabled, with 100 increments a second, 1000 a second squared up and 500 down.
+fn ramped() -> Alone<Box<DriveNode>> {
+    let mut bench = enabled();
+    for (object, value) in [("6081", 100u32), ("6083", 1000), ("6084", 500)] {
+        bench.put(object, &value.to_le_bytes());
+    }
+    bench
+}
+
+impl Alone<Box<DriveNode>> {
+    /// Sends it there at once, whatever it does.
+    fn go_to(&mut self, target: i32) {
+        self.put("607A", &target.to_le_bytes());
+        self.word(0x2F);
+        self.word(0x3F);
+    }
+}
+
+#[test]
+fn a_way_takes_the_time_of_its_trapezoid() {
+    let mut bench = ramped();
+    bench.go_to(100);
+    let seen = |bench: &Alone<Box<DriveNode>>, millis: u64| {
+        let at = bench.now + Duration::from_millis(millis);
+        (bench.device.place(at), bench.device.speed(at))
+    };
+    // 0.1 s up (5), 0.2 s down (10), 85 at 100 a second.
+    assert_eq!(seen(&bench, 100).0, 5.0);
+    assert_eq!(seen(&bench, 500).1, 100.0);
+    assert!(seen(&bench, 1149).1 > 0.0 && seen(&bench, 1149).0 < 100.0);
+    assert_eq!([seen(&bench, 1150), seen(&bench, 5000)], [(100.0, 0.0); 2]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Integrated step by step, independently of all formulas: velocity and acceleration within the ramp, never past the target,
+    /// but for the way it takes to stop.
+    #[test]
+    fn whatever_it_did_before_it_ends_at_the_last_target_within_its_limits(
+        targets in prop::collection::vec((-500..500i32, 0u64..2000), 1..6)
+    ) {
+        let mut bench = ramped();
+        let (mut before, mut speed) = (0.0, 0.0);
+        let step = Duration::from_micros(500);
+        for (target, millis) in &targets {
+            bench.go_to(*target);
+            let (from, target) = (bench.device.place(bench.now), f64::from(*target));
+            let braking = bench.speed().powi(2) / (2.0 * 500.0);
+            for _ in 0..*millis {
+                for now in [bench.now + step, bench.now + 2 * step] {
+                    let (here, new) = (bench.device.place(now), bench.device.speed(now));
+                    prop_assert!(new.abs() <= 100.0 + 1e-6);
+                    prop_assert!((new - speed).abs() <= 1000.0 * step.as_secs_f64() + 1e-6);
+                    let way = (new + speed) / 2.0 * step.as_secs_f64();
+                    prop_assert!((here - before - way).abs() < 1e-3, "position is not the sum");
+                    let past = (here - target.max(from)).max(target.min(from) - here);
+                    prop_assert!(past <= braking + 1e-6);
+                    (before, speed) = (here, new);
+                }
+                bench.pass(1);
+            }
+        }
+        bench.pass(20_000);
+        let (target, _) = targets[targets.len() - 1];
+        prop_assert_eq!((bench.device.place(bench.now), bench.speed()), (f64::from(target), 0.0));
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use linewright_testkit::device_frames::Bench;
+use linewright_testkit::device_frames::DeviceBench;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
@@ -18,7 +18,7 @@ fn any_frames_change_no_output() {
     let config = ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() };
     let energised = Cell::new(0);
     let result = TestRunner::new_with_rng(config, rng).run(&script, |script| {
-        let mut bench = Bench::set_up();
+        let mut bench = DeviceBench::set_up();
         bench.play(&script);
         energised.set(energised.get() + bench.energised);
         Ok(())

@@ -105,10 +105,16 @@ impl Managed {
         self.carry(BusOutbox::default(), sent);
     }
 
-    /// Writes an object of node 4, which takes it.
-    pub fn write(&mut self, index: u16, sub: u8, value: u32) {
+    /// Orders node 4 to give an object this value.
+    pub fn order(&mut self, (index, sub): (u16, u8), value: u32) {
         let ([low, high], value) = (index.to_le_bytes(), value.swap_bytes());
         self.send(&format!("604#23{low:02X}{high:02X}{sub:02X}{value:08X}"));
+    }
+
+    /// Writes an object of node 4, which takes it.
+    pub fn write(&mut self, index: u16, sub: u8, value: u32) {
+        self.order((index, sub), value);
+        let [low, high] = index.to_le_bytes();
         let taken = format!("584#60{low:02X}{high:02X}{sub:02X}00000000");
         assert!(self.wire.iter().any(|(at, frame)| *at == self.now && *frame == taken), "{index:04X}h:{sub:02X}");
     }

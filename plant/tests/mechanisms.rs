@@ -206,6 +206,27 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
+    fn a_motion_ends_at_its_time_and_not_earlier(
+        from in -1000.0..1000.0f64, target in -1000.0..1000.0f64, micros in 1000u64..100_000_000
+    ) {
+        prop_assume!((target - from).abs() > 1e-3);
+        let mut line = line();
+        let station = &mut line.stations[PRESS.index()];
+        station.axes[RAM.index()].home = from;
+        station.operations.truncate(1);
+        (station.home, station.steps) = (ADVANCE, vec![vec![ADVANCE]]);
+        let forward = &mut station.operations[ADVANCE.index()];
+        (forward.motion.from, forward.motion.to) = (from, target);
+        forward.duration = Duration::from_micros(micros);
+        let mut plant = Plant::new(&line, PlantOptions::default());
+        plant.set_outputs(Tick::ZERO, OWNER, FORWARD);
+        plant.advance(Tick::from_micros(micros - 2));
+        prop_assert!(plant.position(PRESS, RAM) != target);
+        plant.advance(Tick::from_micros(micros + 1));
+        prop_assert_eq!(plant.position(PRESS, RAM), target);
+    }
+
+    #[test]
     fn positions_stay_in_range_and_move_with_their_drive(
         happenings in prop::collection::vec(any_happening(), 1..40), seed: u64
     ) {

@@ -1,8 +1,8 @@
 //! Injected faults of a simulated device on the bus, commanded as over CAN: each begins, shows, and is cleared.
 
 use linewright_canopen::NodeId;
-use linewright_line::Owner;
-use linewright_plant::FrameFaults;
+use linewright_line::{Owner, Tick};
+use linewright_plant::{CLEAR, DeviceFault, FrameFaults, MotionFault, ObjectWrites};
 
 use crate::managed::Managed;
 use linewright_testkit::presses::line;
@@ -207,4 +207,63 @@ fn an_output_that_is_stuck_moves_or_does_not_whatever_it_is_sent() {
     bus.write(0x5F03, 1, 2);
     bus.run(1);
     assert_eq!(bus.outputs(), 1, "it follows again");
+}
+
+const PRESS_IO: u8 = 4;
+
+/// What is sent on the bus after this was done to it, and after a boot later on; and the frames once all is cleared.
+fn seen(begin: impl Fn(&mut Managed), clear: impl Fn(&mut Managed)) -> (Vec<(Tick, String)>, Vec<String>) {
+    let mut bus = up();
+    begin(&mut bus);
+    bus.wire.clear();
+    bus.run(300);
+    bus.rack.inject(bus.now, NodeId::new(PRESS_IO).expect("a node id"), Some(DeviceFault::Reboot));
+    bus.run(2000);
+    let suffering = std::mem::take(&mut bus.wire);
+    clear(&mut bus);
+    bus.run(7000);
+    assert_eq!(bus.trouble(), [""; 0]);
+    bus.wire.clear();
+    bus.run(1000);
+    let mut cleared: Vec<String> = bus.wire.into_iter().map(|(_, frame)| frame).collect();
+    cleared.sort_unstable();
+    cleared.dedup();
+    (suffering, cleared)
+}
+
+fn obey(bus: &mut Managed, orders: ObjectWrites) {
+    orders.into_iter().for_each(|(object, value)| bus.order(object, value));
+}
+
+#[test]
+fn what_is_ordered_over_the_bus_is_what_is_injected() {
+    let node = NodeId::new(PRESS_IO).expect("a node id");
+    let refusal = |object, reading, writing| DeviceFault::Abort { object, code: 0x0606_0000, reading, writing };
+    let (well, healthy) = seen(|_| (), |_| ());
+    for fault in [
+        DeviceFault::Silent,
+        DeviceFault::Reboot,
+        DeviceFault::NoBoot,
+        DeviceFault::NoHeartbeat,
+        DeviceFault::Identity { object: (0x1000, 0), value: 0xFFFF_0001 },
+        refusal((0x1000, 0), true, false),
+        refusal((0x1017, 0), false, true),
+        refusal((0x6206, 1), true, true),
+        DeviceFault::Emergency { code: 0x2310, register: 0x85 },
+        DeviceFault::BusOff { millis: 1000 },
+    ] {
+        let ordered = seen(|bus| obey(bus, fault.orders()), |bus| obey(bus, vec![CLEAR]));
+        let injected =
+            seen(|bus| bus.rack.inject(bus.now, node, Some(fault)), |bus| bus.rack.inject(bus.now, node, None));
+        assert!(ordered.0 == injected.0 && ordered.0 != well, "{fault:?}");
+        assert_eq!([&ordered.1, &injected.1], [&healthy; 2], "{fault:?} is cleared");
+    }
+    let faults = FrameFaults { lost_to: 1, lost_from: 20, doubled: 300, seed: 4000 };
+    let ordered = seen(|bus| obey(bus, faults.orders()), |bus| obey(bus, vec![CLEAR]));
+    let injected = seen(|bus| bus.rack.disturb(node, faults), |bus| bus.rack.inject(bus.now, node, None));
+    assert!(ordered.0 == injected.0 && ordered.0 != well);
+    assert_eq!([&ordered.1, &injected.1], [&healthy; 2]);
+    for fault in MotionFault::ALL {
+        assert_eq!(MotionFault::from_code(fault.code()), Ok(Some(fault)));
+    }
 }

@@ -178,34 +178,3 @@ fn slacks(line: &Line, station: StationId) -> Vec<f64> {
     };
     (0..described.axes.len()).map(|axis| way(axis) * TOLERANCE).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_task_is_a_state_where_no_other_task_leads() {
-        let text = include_str!("../../model/line/tests/descriptions/task_driven.toml");
-        let line =
-            linewright_line::parse("task_driven.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
-        let m1 = line.station(StationId(0));
-        let of = |name: &str| {
-            let task = m1.tasks.iter().find(|task| task.name == name).expect("it has it");
-            let [from, until] = [task.steps.start, task.steps.end - 1].map(|step| m1.steps[step][0]);
-            outside(&line, &StateSpan { station: StationId(0), from, until })
-        };
-        let is_outside = |ways: &[Ranges], at: [f64; 2]| {
-            ways.iter().any(|way| way.iter().zip(at).all(|(&(low, high), at)| low <= at && at <= high))
-        };
-        // The clamp, which two other tasks move, and the slide, which this one alone moves.
-        let machine = of("machine");
-        for rest in [[0.0, 0.0], [30.0, 0.0], [60.0, 0.0]] {
-            assert!(is_outside(&machine, rest), "{rest:?}");
-        }
-        for away in [[60.0, 40.0], [60.0, 90.0], [60.0, 100.0], [0.0, 40.0]] {
-            assert!(!is_outside(&machine, away), "{away:?}");
-        }
-        // Closing the clamp and opening it look the same.
-        assert!(is_outside(&of("clamp"), [30.0, 0.0]));
-    }
-}

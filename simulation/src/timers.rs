@@ -53,27 +53,3 @@ impl Timers {
         node - self.leaves
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::rng::Rng;
-
-    #[test]
-    fn the_first_is_what_a_search_finds() {
-        let mut rng = Rng::new(1);
-        for slots in [1, 2, 3, 7, 16, 33] {
-            let mut timers = Timers::new(slots);
-            let mut plain = vec![Tick::NEVER; slots];
-            for _ in 0..2000 {
-                let slot = rng.below(slots as u64) as usize;
-                let at = if rng.chance(100) { Tick::NEVER } else { Tick::from_micros(rng.below(20)) };
-                timers.set(slot, at);
-                plain[slot] = at;
-                let earliest = plain.iter().copied().min().unwrap_or(Tick::NEVER);
-                assert_eq!(timers.earliest(), earliest);
-                assert_eq!(Some(timers.first()), plain.iter().position(|at| *at == earliest));
-            }
-        }
-    }
-}

@@ -2,9 +2,11 @@
 
 mod auto_cycles;
 mod cells;
+mod chance;
 mod common;
 mod driven_table;
 mod faults;
+mod observer;
 mod on_buses;
 mod one_by_one;
 mod plan;

@@ -141,6 +141,29 @@ fn a_lost_device_stops_its_station_after_its_heartbeat_s_time() {
     assert_eq!(sim.record().faults()[0].cause, StopCause::Devices);
 }
 
+/// It starts, and its loss is noticed, in one microsecond.
+#[test]
+fn a_loss_is_noticed_though_its_station_acts_at_the_same_moment() {
+    let line = transfer_line(1);
+    let (clamp, advance) = op(&line, "clamp_1", "advance clamp");
+    let started = |sim: &LineSim| {
+        let mut starts =
+            sim.log().of(clamp).filter(|(_, event)| event.what == HappeningKind::Started(advance, Block::Normal));
+        starts.nth(1).map(|(at, _)| at)
+    };
+    let (sim, _) = run(&line, logged(), &RunGoal::cycles(3)).unwrap();
+    let at = started(&sim).expect("it starts in every cycle");
+    let mut sim = LineSim::new(&line, logged()).unwrap();
+    assert_eq!(sim.run(&RunGoal::cycles(1)), RunEnd::Done);
+    sim.run_to(Tick::from_micros(at.as_micros() - line.timing.heartbeat_timeout.as_micros() as u64));
+    let device = line.devices.iter().position(|device| device.name == "clamp 1 io").expect("it is there");
+    sim.act(OperatorAction::Device(device, true)).unwrap();
+    sim.run_to(at + Duration::from_millis(1));
+    assert_eq!(started(&sim), Some(at), "{}", sim.log().tail(&line, 20));
+    let noticed = sim.log().of(clamp).find(|(_, event)| event.what == HappeningKind::Devices(false));
+    assert_eq!(noticed.map(|(noticed, _)| noticed), Some(at), "{}", sim.log().tail(&line, 20));
+}
+
 #[test]
 fn a_killed_station_is_missed_when_its_last_report_runs_out() {
     let line = transfer_line(1);

@@ -2,9 +2,12 @@
 
 use std::time::Duration;
 
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{DeviceBus, Line, Owner, StationId};
-use linewright_simulation::{LineSim, LogKind, Network, NodeProcess, OperatorAction, RunEnd, RunGoal, SimOptions};
+use linewright_simulation::{
+    LineSim, LogKind, Network, NetworkChange, NodeProcess, OperatorAction, RunEnd, RunGoal, SimOptions,
+};
 use linewright_station_logic::{HappeningKind, StationHappening};
 
 use crate::common::*;
@@ -116,6 +119,67 @@ fn a_network_that_doubles_and_reorders_costs_nothing_but_time() {
     assert_eq!((end, sim.record().faults(), sim.conflicts()), (RunEnd::Done, &[][..], &[][..]));
     let (again, _) = linewright_simulation::run(&line, options, &RunGoal::cycles(5)).expect("the line starts");
     assert_eq!(sim.log().entries(), again.log().entries(), "a seed gives the same run");
+}
+
+/// The same chance: where each image goes its own way, none waits for one before it that takes longer.
+#[test]
+fn images_overtake_each_other_and_come_twice() {
+    let line = transfer_line(1);
+    let run = |best_effort, double_per_mille| {
+        let jitter = Duration::from_millis(15);
+        let images = Network { jitter, best_effort, double_per_mille, ..Network::default() };
+        let options = SimOptions { images, ..on_buses() };
+        let (sim, end) = linewright_simulation::run(&line, options, &RunGoal::cycles(3)).expect("the line starts");
+        assert_eq!(end, RunEnd::Done);
+        (sim.record().cycle_ends().to_vec(), sim.events())
+    };
+    let (in_order, overtaking, doubled) = (run(false, 0), run(true, 0), run(false, 200));
+    assert!(
+        std::iter::zip(&overtaking.0, &in_order.0).all(|(sooner, later)| sooner < later),
+        "{overtaking:?} {in_order:?}"
+    );
+    assert!(doubled.1 * 100 > in_order.1 * 102, "{doubled:?} {in_order:?}");
+}
+
+/// An order of the emergency stop that came after the first one of manual would bring the stop back.
+#[test]
+fn orders_keep_their_order() {
+    let line = transfer_line(1);
+    let jitter = Duration::from_millis(40);
+    for seed in 1..=10 {
+        let network = Network { jitter, double_per_mille: 200, best_effort: true, ..Network::default() };
+        let mut sim = LineSim::new(&line, SimOptions { seed, network, ..on_buses() }).expect("the line starts");
+        sim.run_to(sim.now() + Duration::from_secs(1));
+        for round in 0..10 {
+            for (command, millis) in [(ModeCommand::EStop, 203), (ModeCommand::Reset, 42), (ModeCommand::Manual, 600)] {
+                sim.act(OperatorAction::Command(command)).unwrap();
+                sim.run_to(sim.now() + Duration::from_millis(millis));
+            }
+            let tail = || sim.log().tail(&line, 20);
+            assert_eq!(modes(&sim), [Some(ControlMode::Manual); 3], "seed {seed}, round {round}: {}", tail());
+        }
+    }
+}
+
+#[test]
+fn held_buttons_get_lost_where_a_network_is_that_bad_and_commands_never() {
+    let line = transfer_line(1);
+    let begun = |best_effort| {
+        let network = Network { best_effort, ..Network::default() };
+        let mut sim = LineSim::new(&line, SimOptions { network, ..logged() }).expect("the line starts");
+        sim.run_to(sim.now() + Duration::from_millis(500));
+        sim.act(OperatorAction::Command(ModeCommand::Manual)).unwrap();
+        sim.run_to(sim.now() + Duration::from_millis(500));
+        assert_eq!(modes(&sim), [Some(ControlMode::Manual); 3]);
+        let lost = NetworkChange { loss_per_mille: Some(1000), ..NetworkChange::default() };
+        sim.act(OperatorAction::Network(lost)).unwrap();
+        sim.act(OperatorAction::Panel { station: TRANSFER, advance: true, down: true }).unwrap();
+        sim.act(OperatorAction::Command(ModeCommand::EStop)).unwrap();
+        sim.run_to(sim.now() + Duration::from_millis(20));
+        assert_eq!((sim.answered(), sim.mode()), (2, ControlMode::EStop));
+        sim.record().begun(TRANSFER)
+    };
+    assert_eq!([false, true].map(begun), [1, 0]);
 }
 
 #[test]

@@ -40,7 +40,7 @@ fn drive() -> Drive {
 }
 
 /// Two devices.
-pub struct Bench {
+pub struct DeviceBench {
     io: DeviceNode,
     drive: DriveNode,
     now: Tick,
@@ -51,7 +51,7 @@ pub struct Bench {
     pub energised: usize,
 }
 
-impl Bench {
+impl DeviceBench {
     /// Switched on and booted.
     pub fn set_up() -> Self {
         let now = Tick::from_millis(1000);
@@ -60,7 +60,7 @@ impl Bench {
         let drive = DriveNode::new(now, node(DRIVE), &drive(), 10.0, &timing);
         let place = drive.place(now);
         let io = DeviceNode::new(now, node(IO), BITS, BITS, &timing);
-        let mut bench = Bench { io, drive, now, sent: 0, place: place as i64, energised: 0 };
+        let mut bench = DeviceBench { io, drive, now, sent: 0, place: place as i64, energised: 0 };
         bench.pass(Duration::from_millis(30));
         bench
     }

@@ -101,7 +101,7 @@ fn obey(command: &[u8]) -> Option<[u8; 7]> {
 }
 
 /// The manager and what is around it.
-pub struct Bench {
+pub struct ManagerFramesBench {
     manager: Manager,
     now: Tick,
     /// Image last set by each owner; zero since one of its devices was lost.
@@ -122,12 +122,12 @@ pub struct Bench {
     pub outputs: usize,
 }
 
-impl Bench {
+impl ManagerFramesBench {
     /// At its beginning.
     pub fn set_up() -> Self {
         let devices = NODES.map(device);
         let manager = Manager::new(&devices, Timing::default()).expect("their ids are right");
-        Bench {
+        ManagerFramesBench {
             manager,
             now: Tick::from_millis(1000),
             images: [0; 3],

@@ -20,13 +20,13 @@ fn image(bits: u128, under: u64) -> StationInput<'static> {
 }
 
 /// A controller by itself, every 5 ms.
-struct Bench {
+struct LateImagesBench {
     controller: Controller,
     out: StationOutbox,
     now: Tick,
 }
 
-impl Bench {
+impl LateImagesBench {
     /// A station in manual mode with this marking and these counts, whose last image shows no switch.
     fn new(station: &str, marking: StationPlace, cycle: i32, done: &[i32], started: &[i32]) -> Self {
         let line = transfer_line(1.0);
@@ -37,7 +37,7 @@ impl Bench {
         (snapshot.cycle, snapshot.done, snapshot.started) = (cycle, done.to_vec(), started.to_vec());
         let restored = Controller::new(&line, id, 2, Restore::From(snapshot)).expect("it compiles");
         let controller = restored.with_rules(Rules::COUNTS);
-        let mut bench = Bench { controller, out: StationOutbox::default(), now: Tick::from_millis(1000) };
+        let mut bench = LateImagesBench { controller, out: StationOutbox::default(), now: Tick::from_millis(1000) };
         bench.step(StationInput::Order(manual()));
         bench.step(image(0, 0));
         bench
@@ -70,7 +70,7 @@ fn switch(station: &str, operation: &str) -> (OpId, u128) {
 #[test]
 fn neither_off_nor_on_counts_in_an_image_from_before_the_motion() {
     let (open, is_open) = switch("clamp_1", "return clamp");
-    let mut bench = Bench::new("clamp_1", StationPlace::incomplete(open), 2, &[1, 1], &[2, 1]);
+    let mut bench = LateImagesBench::new("clamp_1", StationPlace::incomplete(open), 2, &[1, 1], &[2, 1]);
     let (opening, first) = bench.step(press(true, true));
     assert_eq!(opening, [StationPlace::operating(open)]);
     bench.step(press(true, false));
@@ -91,7 +91,8 @@ fn a_motion_of_which_only_the_end_is_seen_has_arrived() {
     let ((decel, forward), (feed, fed)) = (switch("mill_1", "decel"), switch("mill_1", "feed main slide"));
     // The image at hand, and its age in image numbers.
     for (at_start, age, arrives) in [(forward, 0, true), (forward | fed, 0, false), (forward, 1, false)] {
-        let mut bench = Bench::new("mill_1", StationPlace::completed(advance), 1, &[1, 0, 0, 0, 0], &[1, 0, 0, 0, 0]);
+        let mut bench =
+            LateImagesBench::new("mill_1", StationPlace::completed(advance), 1, &[1, 0, 0, 0, 0], &[1, 0, 0, 0, 0]);
         let (slowing, first) = bench.step(press(true, true));
         assert_eq!(slowing, [StationPlace::operating(decel)]);
         assert_eq!(bench.step(image(forward, first)).0, [StationPlace::completed(decel)]);

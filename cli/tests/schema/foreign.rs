@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 
-use super::mutants::{self, Change, Mutant};
+use super::mutants::{self, Change, DescriptionMutant};
 use super::{schema, shipped};
 
 /// Standard input: schemas by name, and a list of [name, description]. Standard output: for each description null, or the
@@ -169,7 +169,7 @@ fn is_missed_by_the_reader(message: &str, label: &str) -> bool {
 #[test]
 fn what_is_misspelt_of_the_wrong_type_or_missing_the_schemas_refuse() {
     let samples = samples();
-    let mut mutants: Vec<(&str, Mutant)> = Vec::new();
+    let mut mutants: Vec<(&str, DescriptionMutant)> = Vec::new();
     for of in ["line", "cell", "scenario"] {
         let mut seen = BTreeSet::new();
         for (_, sample) in samples.iter().filter(|(it, _)| *it == of) {

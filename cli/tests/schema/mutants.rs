@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use serde_json::{Map, Value, json};
 
 /// A description with one change.
-pub struct Mutant {
+pub struct DescriptionMutant {
     /// Path of the key, and the change.
     pub what: String,
     pub description: Value,
@@ -32,7 +32,7 @@ enum Step {
 
 /// All mutants of the first occurrence of each key. Keys in `seen` occurred in earlier descriptions; they are only left out,
 /// since whether a key is required depends on its neighbours.
-pub fn of(description: &Value, seen: &mut BTreeSet<String>) -> Vec<Mutant> {
+pub fn of(description: &Value, seen: &mut BTreeSet<String>) -> Vec<DescriptionMutant> {
     let mut places = Vec::new();
     walk(description, &mut Vec::new(), &mut places);
     let mut here = BTreeSet::new();
@@ -48,7 +48,7 @@ pub fn of(description: &Value, seen: &mut BTreeSet<String>) -> Vec<Mutant> {
         let mut add = |change, edit: &dyn Fn(&mut Map<String, Value>)| {
             let mut description = description.clone();
             edit(table(&mut description, before));
-            mutants.push(Mutant { what: format!("{name}: {change:?}"), description, change });
+            mutants.push(DescriptionMutant { what: format!("{name}: {change:?}"), description, change });
         };
         add(Change::LeftOut, &|table| _ = table.remove(key));
         if !is_new {

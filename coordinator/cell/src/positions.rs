@@ -43,24 +43,3 @@ impl Positions {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_lowest_free_position_is_taken_and_equal_sets_are_equal() {
-        let mut all = Positions::default();
-        assert_eq!([all.take_lowest(), all.take_lowest(), all.take_lowest()], [1, 2, 3]);
-        all.give(1);
-        assert_eq!((all.take_lowest(), all.take_lowest()), (1, 4));
-        [2, 4, 3].into_iter().for_each(|position| all.give(position));
-        let mut one = Positions::default();
-        assert!(one.take(1) && !one.take(1));
-        assert_eq!(all, one);
-        let mut other = Positions::default();
-        assert!(other.take(3) && other.take(1));
-        assert_eq!(other.take_lowest(), 2);
-        assert!(!other.take(0));
-    }
-}

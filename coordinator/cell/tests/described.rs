@@ -9,8 +9,8 @@ use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, Unplayable
 use linewright_coordinator_cell::dispatch::Fairness;
 use linewright_coordinator_cell::texts;
 use linewright_coordinator_cell::{
-    ActivityTiming, DispatchDecision, Dispatcher, Fifo, HeldCandidate, HoldReason, PlayerOutbox, Question, RecordKind,
-    TaskParameterValue,
+    ActivityTiming, DispatchDecision, Dispatcher, Fifo, HeldCandidate, HoldReason, PlayerOutbox, PlayerState, Question,
+    RecordKind, TaskParameterValue,
 };
 use linewright_line::Tick;
 
@@ -146,6 +146,52 @@ fn each_part_has_a_slot_of_its_own_in_the_store() {
         used.sort_unstable();
         used.dedup();
         assert!(used.len() > 2, "several are in it at once");
+        each_gets_the_lowest_free_slot(&world);
+    }
+}
+
+/// In every state on the way, and in the same state read from a snapshot.
+fn each_gets_the_lowest_free_slot(world: &World) {
+    let slots = |state: &PlayerState| -> Vec<u32> {
+        state.parts().flat_map(|part| [part.position, part.target]).flatten().collect()
+    };
+    let table = &world.it.table;
+    let mut state = PlayerState::new(table.clone());
+    for record in &world.log {
+        let taken = slots(&state);
+        let before: BTreeMap<_, _> = state.parts().map(|part| (part.id, part.target)).collect();
+        let mut restored = PlayerState::restore(table.clone(), state.snapshot()).expect("its own snapshot");
+        for of in [&mut state, &mut restored] {
+            of.apply(record).expect("its own record");
+            for part in of.parts().filter(|part| part.target.is_some() && before.get(&part.id) != Some(&part.target)) {
+                let lowest = (1..).find(|slot| !taken.contains(slot));
+                assert_eq!(part.target, lowest, "{taken:?}: {record:?}");
+            }
+        }
+        assert_eq!(restored.snapshot(), state.snapshot(), "{record:?}");
+    }
+}
+
+/// A slot that does not exist, or that has a part already, is none of a snapshot.
+#[test]
+fn a_snapshot_with_two_parts_in_a_slot_or_one_in_none_is_refused() {
+    let mut world = world(made(C1, Supply::Open), 4, 1);
+    let mut dispatcher = LetIn { left: [("enter<A.new>", 4), ("enter<B.new>", 3)].into() };
+    world.run(&mut dispatcher, Tick::from_millis(900_000));
+    let table = &world.it.table;
+    let mut state = PlayerState::new(table.clone());
+    let is_full = |state: &PlayerState| state.parts().filter(|part| part.position.is_some()).count() > 1;
+    let until = world.log.iter().find(|record| {
+        state.apply(record).expect("its own record");
+        is_full(&state)
+    });
+    assert!(until.is_some(), "two parts are in the store");
+    let text = serde_json::to_string(&state.snapshot()).expect("a text");
+    let restored =
+        |text: &str| PlayerState::restore(table.clone(), serde_json::from_str(text).expect("a snapshot")).is_ok();
+    assert!(restored(&text) && text.contains("\"position\":2"), "{text}");
+    for other in ["0", "1"] {
+        assert!(!restored(&text.replace("\"position\":2", &format!("\"position\":{other}"))), "{other}");
     }
 }
 
@@ -198,8 +244,7 @@ fn what_cannot_be_played_says_why() {
     let cell = linewright_cell::parse("cell.toml", &text, None).expect("it can be described").cell;
     let refused = compile_cell(&cell, None, Supply::Open, PACE);
     assert!(matches!(refused, Err(Unplayable::Unreserved)));
-    let line = linewright_line::TransferLine::default().text();
-    let line = linewright_line::parse("line.toml", &line).expect("the shipped line is sound").line;
+    let line = linewright_testkit::built::transfer_line();
     let cell = linewright_cell::parse("cell.toml", C1, None).expect("it is sound").cell;
     let refused = compile_cell(&cell, Some(&line), Supply::Open, PACE).map(|_| ()).unwrap_err();
     assert_eq!(refused.to_string(), "the line has no station `m1`");

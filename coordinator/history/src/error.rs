@@ -110,7 +110,7 @@ impl HistoryError {
     }
 
     /// What a person can do; none where the reason contains it.
-    pub(crate) fn remedy(&self) -> Option<&'static str> {
+    pub fn remedy(&self) -> Option<&'static str> {
         match self {
             HistoryError::File { .. } | HistoryError::Refused { .. } => {
                 Some("make room on the disk, or make file and directory writable")

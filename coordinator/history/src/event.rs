@@ -61,30 +61,3 @@ pub(crate) fn whole<T: DeserializeOwned>(kind: &str, data: &str) -> Result<T, se
     let text = if data == "null" { format!("\"{kind}\"") } else { format!("{{\"{kind}\":{data}}}") };
     serde_json::from_str(&text)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_split_can_be_put_together() {
-        let facts = [
-            RecordKind::Epoch { epoch: 3 },
-            RecordKind::Decided { question: 1, started: Vec::new(), held: Vec::new() },
-        ];
-        for fact in facts {
-            let (kind, data) = parts(&fact);
-            assert_eq!(whole::<RecordKind>(&kind, &data).expect("it is a fact"), fact);
-        }
-        assert_eq!(parts(&RecordKind::Epoch { epoch: 3 }), ("epoch".to_owned(), "{\"epoch\":3}".to_owned()));
-        let said = Note::Said { text: "\":{\"".to_owned() };
-        let (kind, data) = parts(&said);
-        assert_eq!((kind.as_str(), whole::<Note>(&kind, &data).expect("a note")), ("said", said));
-        assert!(whole::<RecordKind>("was-never", "{}").is_err());
-        #[derive(Serialize)]
-        enum Bare {
-            One,
-        }
-        assert_eq!(parts(&Bare::One), ("One".to_owned(), "null".to_owned()));
-    }
-}

@@ -61,27 +61,3 @@ impl fmt::Display for HistoryNews {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_failure_names_file_reason_consequence_and_remedy() {
-        let path = PathBuf::from("/s/line.db");
-        let error = crate::HistoryError::Refused { path: path.clone(), why: "database or disk is full".to_owned() };
-        let news = [
-            HistoryNews::Failed { why: error.to_string(), remedy: error.remedy() },
-            HistoryNews::Resumed { path, lost: LostNotes { count: 7, span: None } },
-        ];
-        assert_eq!(
-            news.each_ref().map(ToString::to_string),
-            [
-                "cannot use database /s/line.db: database or disk is full; until it is written again reports may lack what \
-                 happens, control goes on; make room on the disk, or make file and directory writable; writing is tried again by itself",
-                "database /s/line.db is written again; 7 notes were lost, which reports show",
-            ]
-        );
-        assert_eq!(news.map(|news| news.is_warning()), [true, false]);
-    }
-}

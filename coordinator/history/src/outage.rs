@@ -24,11 +24,11 @@ pub struct LostNotes {
 }
 
 impl LostNotes {
-    pub(crate) fn add(&mut self, at: Tick) {
+    pub fn add(&mut self, at: Tick) {
         self.merge(LostNotes { count: 1, span: Some((at, at)) });
     }
 
-    pub(crate) fn merge(&mut self, more: LostNotes) {
+    pub fn merge(&mut self, more: LostNotes) {
         self.count = self.count.saturating_add(more.count);
         self.span = match (self.span, more.span) {
             (Some((a, b)), Some((c, d))) => Some((a.min(c), b.max(d))),
@@ -37,14 +37,14 @@ impl LostNotes {
     }
 
     /// Time and note of the gap they leave; none if none is lost.
-    pub(crate) fn gap(&self) -> Option<(Tick, Note)> {
+    pub fn gap(&self) -> Option<(Tick, Note)> {
         self.span.map(|(from, to)| (to, Note::Gap { from, to, lost: self.count }))
     }
 }
 
 /// Outages, one after the other.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Outages {
+pub struct Outages {
     /// Time of the next trial; none while the database is written.
     due: Option<Tick>,
     /// The last wait, and when the last outage ended.
@@ -91,61 +91,5 @@ impl Outages {
             self.before = Some((self.wait, now));
             std::mem::take(&mut self.lost)
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const AT: fn(u64) -> Tick = |seconds| Tick::from_millis(seconds * 1000);
-    const S: fn(u64) -> Duration = Duration::from_secs;
-
-    #[test]
-    fn waits_double_up_to_half_a_minute_and_one_failure_begins_it() {
-        let mut outages = Outages::default();
-        assert_eq!((outages.is_on(), outages.left(AT(0))), (false, None));
-        let mut now = AT(100);
-        assert!(outages.failed(now), "it begins");
-        let mut waits = Vec::new();
-        for _ in 0..8 {
-            let left = outages.left(now).expect("an outage");
-            waits.push(left.as_secs());
-            assert_eq!(outages.left(now + left * 2), Some(Duration::ZERO));
-            now = now + left;
-            assert!(!outages.failed(now), "it goes on");
-        }
-        assert_eq!(waits, [1, 2, 4, 8, 16, 30, 30, 30]);
-    }
-
-    #[test]
-    fn a_relapse_goes_on_with_longer_waits_and_a_later_outage_begins_anew() {
-        let mut outages = Outages::default();
-        outages.failed(AT(0));
-        outages.failed(AT(1));
-        assert_eq!(outages.end(AT(3)), Some(LostNotes::default()));
-        assert_eq!(outages.end(AT(3)), None);
-        assert!(outages.failed(AT(62)), "another outage");
-        assert_eq!(outages.left(AT(62)), Some(S(4)));
-        outages.end(AT(70));
-        outages.failed(AT(130));
-        assert_eq!(outages.left(AT(130)), Some(S(1)));
-    }
-
-    #[test]
-    fn what_is_lost_is_counted_from_the_first_to_the_last_of_one_outage() {
-        let mut outages = Outages::default();
-        let mut lost = LostNotes::default();
-        assert_eq!(lost.gap(), None);
-        lost.add(AT(7));
-        lost.add(AT(5));
-        outages.failed(AT(0));
-        outages.lose(lost);
-        lost.add(AT(9));
-        outages.lose(LostNotes { count: 1, span: Some((AT(9), AT(9))) });
-        assert_eq!(outages.lost(), lost);
-        let ended = outages.end(AT(1)).expect("it was on");
-        assert_eq!(ended.gap(), Some((AT(9), Note::Gap { from: AT(5), to: AT(9), lost: 3 })));
-        assert_eq!(outages.lost(), LostNotes::default());
     }
 }

@@ -199,37 +199,3 @@ pub fn net() -> Net {
         Err(errors) => unreachable!("six places and their arcs have distinct names: {errors:?}"),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn at_most_one_arc_is_allowed_out_of_every_place_under_all_facts() {
-        for mode in ControlMode::ALL {
-            for facts in ModeFacts::all() {
-                let allowed: Vec<_> = ARCS.iter().filter(|a| a.from == mode && (a.when)(&facts)).collect();
-                assert!(allowed.len() <= 1, "{mode} under {facts:?}: {allowed:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn every_arc_is_allowed_under_some_facts() {
-        for arc in ARCS {
-            assert!(ModeFacts::all().any(|facts| (arc.when)(&facts)), "{arc:?}");
-        }
-    }
-
-    #[test]
-    fn the_net_is_a_live_safe_reversible_state_machine() {
-        let verdict = linewright_nets::structure::state_machine_verdict(&net()).expect("a state machine");
-        assert!(verdict.holds(), "{verdict}");
-    }
-
-    #[test]
-    fn only_manual_leads_out_of_the_emergency_stop() {
-        let out: Vec<_> = ARCS.iter().filter(|a| a.from == ControlMode::EStop).map(|a| a.to).collect();
-        assert_eq!(out, [ControlMode::Manual]);
-    }
-}

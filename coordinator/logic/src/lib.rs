@@ -12,10 +12,12 @@ mod refusal;
 mod resume;
 mod texts;
 
+pub use buttons::Buttons;
 pub use coordinator::{
     CompletedCycle, Coordinator, EStopCause, ManualPermit, ModeGrant, ModeInput, ModeOutbox, ModeStanding, StationView,
 };
 pub use decision::ModeCommand;
 pub use gateway::{AppliedImage, Gateway, OutputImage};
 pub use refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
+pub use resume::ResumeButton;
 pub use texts::{EStopButton, ModeText};

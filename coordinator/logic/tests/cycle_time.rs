@@ -5,10 +5,10 @@ use std::time::Duration;
 use linewright_coordinator_logic::{CompletedCycle, Coordinator, ModeCommand, ModeInput};
 use linewright_line::net::ControlMode;
 
-use crate::common::Bench;
+use crate::common::CoordinatorBench;
 
 /// Time passes in which all stations are received.
-fn pass(bench: &mut Bench, millis: u64) {
+fn pass(bench: &mut CoordinatorBench, millis: u64) {
     for _ in 0..millis / 100 {
         bench.wait(Duration::from_millis(100));
         bench.beat();
@@ -16,19 +16,19 @@ fn pass(bench: &mut Bench, millis: u64) {
 }
 
 /// A station leaves home in this round.
-fn leaves(bench: &mut Bench, station: usize, round: i32) {
+fn leaves(bench: &mut CoordinatorBench, station: usize, round: i32) {
     (bench.heard[station].round, bench.heard[station].at_home, bench.heard[station].stopped) = (round, false, false);
     bench.say(station);
 }
 
 /// A station comes home, at the end of its round.
-fn comes(bench: &mut Bench, station: usize) {
+fn comes(bench: &mut CoordinatorBench, station: usize) {
     (bench.heard[station].at_home, bench.heard[station].stopped) = (true, true);
     bench.say(station);
 }
 
 /// All stations do this round together.
-fn all_do(bench: &mut Bench, round: i32, millis: u64) {
+fn all_do(bench: &mut CoordinatorBench, round: i32, millis: u64) {
     let stations = 0..bench.heard.len();
     stations.clone().for_each(|station| leaves(bench, station, round));
     pass(bench, millis);
@@ -36,14 +36,14 @@ fn all_do(bench: &mut Bench, round: i32, millis: u64) {
 }
 
 /// The number of each completed cycle with what it took, in ms.
-fn told(bench: &mut Bench) -> Vec<(i32, u128)> {
+fn told(bench: &mut CoordinatorBench) -> Vec<(i32, u128)> {
     let told = |CompletedCycle { number, took }| (number, took.as_millis());
     bench.out.cycles.drain(..).map(told).collect()
 }
 
 #[test]
 fn a_cycle_ends_with_its_last_station_and_takes_the_time_since_the_end_before() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     (0..3).for_each(|station| leaves(&mut bench, station, 1));
     pass(&mut bench, 1000);
     comes(&mut bench, 0);
@@ -64,7 +64,7 @@ fn a_cycle_ends_with_its_last_station_and_takes_the_time_since_the_end_before() 
 
 #[test]
 fn a_stay_at_home_is_no_part_of_a_cycle_but_a_stop_on_the_way_is() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     all_do(&mut bench, 1, 1000);
     bench.command(ModeCommand::Stop);
     assert_eq!(bench.mode(), ControlMode::Home);
@@ -89,7 +89,7 @@ fn a_stay_at_home_is_no_part_of_a_cycle_but_a_stop_on_the_way_is() {
 
 #[test]
 fn a_coordinator_that_starts_within_a_cycle_gives_no_time_for_it() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     (0..3).for_each(|station| leaves(&mut bench, station, 1));
     pass(&mut bench, 300);
     bench.coordinator = Coordinator::new(bench.line.clone(), 2, bench.coordinator.epoch());
@@ -107,7 +107,7 @@ fn a_coordinator_that_starts_within_a_cycle_gives_no_time_for_it() {
 
 #[test]
 fn a_cycle_that_ended_unheard_has_no_time_and_nor_has_the_next() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     (0..3).for_each(|station| leaves(&mut bench, station, 1));
     pass(&mut bench, 500);
     bench.wait(Duration::from_secs(1));
@@ -121,7 +121,7 @@ fn a_cycle_that_ended_unheard_has_no_time_and_nor_has_the_next() {
 
 #[test]
 fn a_station_unheard_in_the_middle_of_a_cycle_does_not_spoil_its_time() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     (0..3).for_each(|station| leaves(&mut bench, station, 1));
     bench.wait(Duration::from_secs(1));
     pass(&mut bench, 500);
@@ -131,7 +131,7 @@ fn a_station_unheard_in_the_middle_of_a_cycle_does_not_spoil_its_time() {
 
 #[test]
 fn a_cycle_that_is_taken_back_is_not_completed() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     all_do(&mut bench, 1, 400);
     (0..3).for_each(|station| leaves(&mut bench, station, 2));
     pass(&mut bench, 200);
@@ -147,7 +147,7 @@ fn a_cycle_that_is_taken_back_is_not_completed() {
 
 #[test]
 fn rounds_that_leap_or_are_of_different_generations_end_no_cycle() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     all_do(&mut bench, 1, 400);
     assert_eq!(told(&mut bench), [(1, 400)]);
     for round in [4, i32::MAX, i32::MIN, 0] {
@@ -163,7 +163,7 @@ fn rounds_that_leap_or_are_of_different_generations_end_no_cycle() {
 
 #[test]
 fn task_driven_stations_have_no_part_in_it() {
-    let mut bench = Bench::with_one_task_driven();
+    let mut bench = CoordinatorBench::with_one_task_driven();
     bench.command(ModeCommand::Start);
     bench.command(ModeCommand::Auto);
     [0, 2].into_iter().for_each(|station| leaves(&mut bench, station, 1));

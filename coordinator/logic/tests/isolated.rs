@@ -4,11 +4,11 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
-use crate::common::Bench;
+use crate::common::CoordinatorBench;
 
 /// The line in auto.
-fn bench() -> Bench {
-    let mut bench = Bench::with_one_task_driven();
+fn bench() -> CoordinatorBench {
+    let mut bench = CoordinatorBench::with_one_task_driven();
     for command in [ModeCommand::Start, ModeCommand::Auto] {
         assert_eq!(bench.command(command), None);
     }
@@ -125,7 +125,7 @@ fn only_task_driven_stations_are_stopped_alone() {
 #[test]
 fn between_two_rests_without_an_order_it_keeps_the_line_from_auto() {
     for mode in [ControlMode::StandBy, ControlMode::Manual] {
-        let mut bench = Bench::with_one_task_driven();
+        let mut bench = CoordinatorBench::with_one_task_driven();
         bench.command(ModeCommand::Start);
         if mode == ControlMode::Manual {
             bench.command(ModeCommand::Manual);
@@ -166,7 +166,7 @@ fn a_stop_ends_in_stand_by_while_a_station_that_is_left_out_is_away() {
 /// A coordinator that was killed and comes up finds it away: the line is not at home.
 #[test]
 fn a_coordinator_that_comes_up_while_it_is_away_is_in_stand_by() {
-    let mut bench = Bench::with_one_task_driven();
+    let mut bench = CoordinatorBench::with_one_task_driven();
     bench.heard[1].at_home = false;
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::StandBy);
@@ -180,7 +180,7 @@ fn a_coordinator_that_comes_up_while_it_is_away_is_in_stand_by() {
 fn auto_and_hand_are_judged_alike_from_stand_by_and_from_manual() {
     for mode in [ControlMode::StandBy, ControlMode::Manual] {
         let bench = || {
-            let mut bench = Bench::with_one_task_driven();
+            let mut bench = CoordinatorBench::with_one_task_driven();
             bench.command(ModeCommand::Start);
             bench.coordinator.isolate(|id, _| id == TASK_DRIVEN);
             (bench.heard[1].at_home, bench.heard[1].incomplete) = (false, true);
@@ -214,7 +214,7 @@ fn auto_and_hand_are_judged_alike_from_stand_by_and_from_manual() {
 /// Also of a line whose stations count: home is only where all stand at home.
 #[test]
 fn a_coordinator_that_finds_a_station_half_way_is_in_stand_by_and_names_its_start() {
-    let mut bench = Bench::new();
+    let mut bench = CoordinatorBench::new();
     (bench.heard[2].at_home, bench.heard[2].incomplete) = (false, true);
     bench.beat();
     let text = "stand-by, coordinator started with stations away from home: mill_1: operation incomplete; complete or undo it \

@@ -6,9 +6,10 @@
 use ControlMode as M;
 use ModeCommand as C;
 use linewright_coordinator_logic::ModeCommand;
+use linewright_coordinator_logic::decision::{ARCS, ModeFacts};
 use linewright_line::net::ControlMode;
 
-use crate::common::Bench;
+use crate::common::CoordinatorBench;
 
 /// The mode after the command, and the refusal's reasons; "" where it is obeyed.
 type Row<'a> = (ControlMode, ModeCommand, ControlMode, &'a str);
@@ -71,12 +72,12 @@ const AT_HOME: [(ControlMode, ModeCommand, &str); 42] = [
     (M::EStop, C::Reset, ""),
 ];
 
-fn check(bench: &mut Bench, (before, command, after, reasons): Row) {
+fn check(bench: &mut CoordinatorBench, (before, command, after, reasons): Row) {
     check_reasons(bench, before, command, reasons);
     assert_eq!(bench.mode(), after, "{} in {before}", command.name());
 }
 
-fn check_reasons(bench: &mut Bench, before: ControlMode, command: ModeCommand, reasons: &str) {
+fn check_reasons(bench: &mut CoordinatorBench, before: ControlMode, command: ModeCommand, reasons: &str) {
     let refused = format!("{} refused in {before}: {reasons}", command.name());
     let expected = (!reasons.is_empty()).then_some(refused);
     assert_eq!(bench.command(command), expected, "{} in {before}", command.name());
@@ -94,7 +95,7 @@ fn every_pair_is_in_the_table() {
 #[test]
 fn a_line_that_stands_at_home() {
     for (before, command, reasons) in AT_HOME {
-        check_reasons(&mut Bench::in_mode(before), before, command, reasons);
+        check_reasons(&mut CoordinatorBench::in_mode(before), before, command, reasons);
     }
 }
 
@@ -106,12 +107,12 @@ fn after_a_reset_only_manual_leads_out_of_the_emergency_stop() {
         (C::Auto, "; the way: manual, then auto"),
         (C::Hand, "; the way: manual, then hand"),
     ] {
-        let mut bench = Bench::in_mode(M::EStop);
+        let mut bench = CoordinatorBench::in_mode(M::EStop);
         assert_eq!(bench.command(C::Reset), None);
         let reasons = format!("not possible from this mode; possible: manual{way}");
         check(&mut bench, (M::EStop, command, M::EStop, &reasons));
     }
-    let mut bench = Bench::in_mode(M::EStop);
+    let mut bench = CoordinatorBench::in_mode(M::EStop);
     assert_eq!(bench.command(C::Reset), None);
     check(&mut bench, (M::EStop, C::Manual, M::Manual, ""));
 }
@@ -131,7 +132,7 @@ fn a_line_whose_mill_is_under_way() {
         (M::Auto, C::EStop, M::EStop, ""),
     ];
     for row in rows {
-        let mut bench = Bench::in_mode(row.0);
+        let mut bench = CoordinatorBench::in_mode(row.0);
         (bench.heard[2].at_home, bench.heard[2].stopped) = (false, false);
         bench.beat();
         check(&mut bench, row);
@@ -139,8 +140,8 @@ fn a_line_whose_mill_is_under_way() {
 }
 
 /// A mode that is to be had at home, and what is different then.
-fn bench_of(mode: ControlMode, change: impl Fn(&mut Bench)) -> Bench {
-    let mut bench = Bench::in_mode(mode);
+fn bench_of(mode: ControlMode, change: impl Fn(&mut CoordinatorBench)) -> CoordinatorBench {
+    let mut bench = CoordinatorBench::in_mode(mode);
     change(&mut bench);
     bench.beat();
     bench
@@ -186,7 +187,7 @@ fn the_table_of_the_documentation_is_what_the_commands_do() {
 /// What is refused is not done, not by half either.
 #[test]
 fn a_refused_command_changes_no_mode() {
-    let changes: [fn(&mut Bench); 8] = [
+    let changes: [fn(&mut CoordinatorBench); 8] = [
         |_| {},
         |bench| bench.heard[2].at_home = false,
         |bench| (bench.heard[2].at_home, bench.heard[2].stopped) = (false, false),
@@ -214,7 +215,7 @@ fn a_refused_command_changes_no_mode() {
 
 #[test]
 fn a_command_that_is_obeyed_ends_what_was_refused_before() {
-    let mut bench = Bench::in_mode(M::Auto);
+    let mut bench = CoordinatorBench::in_mode(M::Auto);
     bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Command(C::Hand));
     bench.coordinator.step(bench.now, &mut bench.out);
     assert!(!bench.out.obeyed);
@@ -241,7 +242,7 @@ fn from_home_manual_is_refused_for_what_would_refuse_it_after_start() {
 /// What is moved in manual is counted: so the generation is founded before, as by start.
 #[test]
 fn from_home_manual_comes_once_the_generation_is_founded() {
-    let found = |bench: &mut Bench| {
+    let found = |bench: &mut CoordinatorBench| {
         for at in 0..3 {
             let founding = bench.coordinator.founding(linewright_line::StationId::at(at));
             bench.heard[at].generation = founding.map_or(bench.heard[at].generation, |(generation, _)| generation);
@@ -276,7 +277,7 @@ fn from_home_manual_comes_once_the_generation_is_founded() {
 
 #[test]
 fn what_speaks_against_auto_is_said_in_full() {
-    let mut bench = Bench::in_mode(M::StandBy);
+    let mut bench = CoordinatorBench::in_mode(M::StandBy);
     bench.heard[0].incomplete = true;
     bench.heard[1].devices_valid = false;
     bench.beat();
@@ -293,7 +294,7 @@ fn of_an_index_in_doubt_only_the_lost_position_is_named() {
     let line = linewright_line::parse("rotary-table.toml", text).expect("sound").line;
     let table = line.station_named("table").expect("the table");
     let index = line.station(table).operation_named("index");
-    let mut bench = Bench::of(line, 0);
+    let mut bench = CoordinatorBench::of(line, 0);
     bench.command(C::Start);
     (bench.heard[table.index()].incomplete, bench.heard[table.index()].incomplete_op) = (true, index);
     bench.beat();
@@ -307,8 +308,8 @@ fn of_an_index_in_doubt_only_the_lost_position_is_named() {
 
 #[test]
 fn a_stop_in_stand_by_that_is_refused_always_says_why() {
-    let reason = |change: fn(&mut Bench)| {
-        let mut bench = Bench::in_mode(M::StandBy);
+    let reason = |change: fn(&mut CoordinatorBench)| {
+        let mut bench = CoordinatorBench::in_mode(M::StandBy);
         change(&mut bench);
         bench.out.refusals.clear();
         bench.input(linewright_coordinator_logic::ModeInput::Command(C::Stop));
@@ -327,4 +328,17 @@ fn a_stop_in_stand_by_that_is_refused_always_says_why() {
         b.wait(std::time::Duration::from_millis(20));
     });
     assert_eq!(unheard, "stop refused in stand-by: mill_1: no state received");
+}
+
+#[test]
+fn every_arc_is_allowed_under_some_facts() {
+    for arc in ARCS {
+        assert!(ModeFacts::all().any(|facts| (arc.when)(&facts)), "{arc:?}");
+    }
+}
+
+#[test]
+fn only_manual_leads_out_of_the_emergency_stop() {
+    let out: Vec<_> = ARCS.iter().filter(|a| a.from == ControlMode::EStop).map(|a| a.to).collect();
+    assert_eq!(out, [ControlMode::Manual]);
 }

@@ -4,15 +4,15 @@ use linewright_coordinator_logic::{ManualPermit, ModeCommand, ModeInput, Station
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, StationId};
 
-use crate::common::Bench;
+use crate::common::CoordinatorBench;
 
 const ROBOT: StationId = StationId(1);
 /// It stands in the one task that its failed activity has.
 const LEFT_OUT: ManualPermit = ManualPermit::LeftOut { tasks: 1, kept_in: Some(0) };
 
 /// The line in auto, one station left out between two rests.
-fn bench() -> Bench {
-    let mut bench = Bench::with_one_task_driven();
+fn bench() -> CoordinatorBench {
+    let mut bench = CoordinatorBench::with_one_task_driven();
     for command in [ModeCommand::Start, ModeCommand::Auto] {
         assert_eq!(bench.command(command), None);
     }
@@ -23,7 +23,7 @@ fn bench() -> Bench {
     bench
 }
 
-impl Bench {
+impl CoordinatorBench {
     fn permit(&mut self, permit: ManualPermit) {
         self.permit = Some(permit);
         self.beat();
@@ -44,7 +44,7 @@ impl Bench {
 }
 
 /// In manual by itself.
-fn led() -> Bench {
+fn led() -> CoordinatorBench {
     let mut bench = bench();
     assert_eq!((bench.single(true), bench.states()), (None, (true, true)));
     bench
@@ -163,7 +163,8 @@ fn what_the_cell_has_taken_of_an_earlier_time_does_not_count() {
 /// The cell is to know it in manual until it has acknowledged that it is no more, or its last order has run out.
 #[test]
 fn it_is_by_hand_until_it_has_acknowledged_the_end() {
-    let ends: [fn(&mut Bench); 2] = [|bench| _ = bench.single(false), |bench| _ = bench.command(ModeCommand::EStop)];
+    let ends: [fn(&mut CoordinatorBench); 2] =
+        [|bench| _ = bench.single(false), |bench| _ = bench.command(ModeCommand::EStop)];
     for end in ends {
         let mut bench = led();
         bench.acknowledge = false;
@@ -186,7 +187,7 @@ fn it_is_by_hand_until_it_has_acknowledged_the_end() {
 
 #[test]
 fn a_line_without_a_cell_has_one_mode() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.coordinator.permit_manual(|_| Some(LEFT_OUT));
     let refusal = bench.single(true).expect("not task-driven");
     assert!(refusal.contains("in a cell only; arrows and counts"), "{refusal}");
@@ -213,7 +214,7 @@ fn beside_another_mode_than_auto_there_is_none() {
     }
 }
 
-type EndsAuto = fn(&mut Bench);
+type EndsAuto = fn(&mut CoordinatorBench);
 
 /// Whatever ends auto ends it, at once, and it does not come back with auto.
 #[test]
@@ -377,7 +378,7 @@ fn the_text_says_what_the_panel_waits_for() {
 #[test]
 fn two_stations_are_in_manual_independently() {
     const OTHER: StationId = StationId(2);
-    let mut bench = Bench::with_task_driven(&[1, 2]);
+    let mut bench = CoordinatorBench::with_task_driven(&[1, 2]);
     for command in [ModeCommand::Start, ModeCommand::Auto] {
         assert_eq!(bench.command(command), None);
     }
@@ -418,7 +419,7 @@ fn it_goes_back_to_auto_by_command_only_and_in_order() {
 /// A coordinator that comes up anew knows of none: the station follows its mode, in which nothing moves.
 #[test]
 fn a_coordinator_that_is_started_again_begins_without() {
-    let mut bench = Bench::with_one_task_driven();
+    let mut bench = CoordinatorBench::with_one_task_driven();
     bench.coordinator.isolate(|id, _| id == ROBOT);
     bench.permit(LEFT_OUT);
     assert_eq!((bench.mode(), bench.states()), (ControlMode::Home, FOLLOWS));

@@ -3,11 +3,11 @@
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 
-use crate::common::Bench;
+use crate::common::CoordinatorBench;
 
 #[test]
 fn after_master_stop_home_is_entered_when_the_others_have_ended_their_round() {
-    let mut bench = Bench::with_one_task_driven();
+    let mut bench = CoordinatorBench::with_one_task_driven();
     for command in [ModeCommand::Start, ModeCommand::Auto] {
         assert_eq!(bench.command(command), None);
     }
@@ -23,7 +23,7 @@ fn after_master_stop_home_is_entered_when_the_others_have_ended_their_round() {
 
 #[test]
 fn away_from_its_rests_it_keeps_the_line_from_home_mode_and_it_is_said_so() {
-    let mut bench = Bench::with_one_task_driven();
+    let mut bench = CoordinatorBench::with_one_task_driven();
     bench.command(ModeCommand::Start);
     bench.heard[1].at_home = false;
     bench.heard[2].round = 1;

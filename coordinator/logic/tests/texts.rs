@@ -5,8 +5,8 @@ use linewright_coordinator_logic::{
     EStopButton, EStopCause, ModeCommand, ModeRefusal, ModeText, OperatorCommand, RefusedCommand,
 };
 use linewright_line::net::ControlMode;
-use linewright_line::{StationId, TransferLine, parse};
-
+use linewright_line::{Owner, StationId};
+use linewright_testkit::built::transfer_line;
 use linewright_testkit::samples::{listed, samples};
 
 fn reasons() -> Vec<ModeRefusal> {
@@ -71,7 +71,7 @@ fn causes() -> Vec<EStopCause> {
 
 #[test]
 fn all_texts_of_the_mode_decision() {
-    let line = parse("line.toml", &TransferLine::default().text()).expect("sound").line;
+    let line = transfer_line();
     let refusal = RefusedCommand {
         command: OperatorCommand::Mode(ModeCommand::Auto),
         mode: ControlMode::StandBy,
@@ -116,4 +116,32 @@ fn all_texts_of_the_mode_decision() {
         listed("the emergency stop", &stops, |mode| mode.text(ControlMode::EStop)),
     ];
     insta::assert_snapshot!(lists.join("\n"));
+}
+
+#[test]
+fn a_loss_is_refused_with_the_device_and_its_trouble_where_it_is_known() {
+    let line = transfer_line();
+    let reasons =
+        vec![ModeRefusal::DevicesLost(StationId(1)), ModeRefusal::ConsoleLost, ModeRefusal::Moving(StationId(0))];
+    let refusal =
+        RefusedCommand { command: OperatorCommand::Mode(ModeCommand::Auto), mode: ControlMode::StandBy, reasons };
+    let known = |owner| match owner {
+        Owner::Station(_) => "clamp 1 io (node 21h): no heartbeat (1017h) for 230 ms".to_owned(),
+        Owner::Console => String::new(),
+    };
+    let expected = "auto refused in stand-by: clamp_1: I/O devices lost: clamp 1 io (node 21h): no heartbeat \
+                    (1017h) for 230 ms; console: I/O devices not operational; transfer: motion in progress";
+    assert_eq!(refusal.text_with(&line, known), expected);
+}
+
+#[test]
+fn what_several_stations_lack_is_said_once_and_the_one_away_is_named() {
+    let line = transfer_line();
+    let apart = line.station_ids().map(ModeRefusal::NoCommonStart);
+    let reasons = apart.chain([ModeRefusal::NotAtHome(StationId(1))]).collect();
+    let refusal =
+        RefusedCommand { command: OperatorCommand::Mode(ModeCommand::Auto), mode: ControlMode::StandBy, reasons };
+    let text = refusal.text(&line);
+    assert_eq!(text.matches("lead all stations home").count(), 1, "{text}");
+    assert!(text.starts_with("auto refused in stand-by: clamp_1: not at home; transfer, clamp_1, "), "{text}");
 }

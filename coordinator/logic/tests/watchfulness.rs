@@ -7,7 +7,7 @@ use linewright_coordinator_logic::{Coordinator, ModeCommand, ModeInput, ModeOutb
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, StationId, Tick};
 
-use crate::common::{Bench, line};
+use crate::common::{CoordinatorBench, line};
 
 /// The console's image with these of its inputs on.
 fn console(names: &[&str]) -> ModeInput {
@@ -18,7 +18,7 @@ fn console(names: &[&str]) -> ModeInput {
 
 #[test]
 fn a_mode_is_enabled_only_when_every_station_has_acknowledged_it() {
-    let mut bench = Bench::in_mode(ControlMode::StandBy);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::StandBy);
     bench.acknowledge = false;
     assert_eq!(bench.command(ModeCommand::Auto), None);
     for station in 0..3 {
@@ -33,7 +33,7 @@ fn a_mode_is_enabled_only_when_every_station_has_acknowledged_it() {
 
 #[test]
 fn a_mode_that_enables_no_motion_waits_for_nobody() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.acknowledge = false;
     bench.command(ModeCommand::EStop);
     assert!(bench.coordinator.order().enabled);
@@ -41,7 +41,7 @@ fn a_mode_that_enables_no_motion_waits_for_nobody() {
 
 #[test]
 fn a_station_that_falls_silent_ends_auto_and_a_silent_line_ends_nothing_else() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.wait(Duration::from_millis(200));
     bench.say(0);
     bench.say(1);
@@ -56,7 +56,7 @@ fn a_station_that_falls_silent_ends_auto_and_a_silent_line_ends_nothing_else() {
 #[test]
 fn a_station_restarted_in_auto_or_hand_means_stand_by_until_somebody_has_looked() {
     for mode in [ControlMode::Auto, ControlMode::Hand] {
-        let mut bench = Bench::in_mode(mode);
+        let mut bench = CoordinatorBench::in_mode(mode);
         bench.heard[1].boot_id += 1;
         bench.beat();
         assert_eq!(bench.mode(), ControlMode::StandBy, "from {mode}");
@@ -69,7 +69,7 @@ fn a_station_restarted_in_auto_or_hand_means_stand_by_until_somebody_has_looked(
 
 #[test]
 fn a_station_restarted_in_manual_has_somebody_standing_in_front_of_it() {
-    let mut bench = Bench::in_mode(ControlMode::Manual);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Manual);
     bench.heard[1].boot_id += 1;
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::Manual);
@@ -79,18 +79,18 @@ fn a_station_restarted_in_manual_has_somebody_standing_in_front_of_it() {
 
 #[test]
 fn epochs_rise_above_everything_heard() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.acknowledge = false;
     bench.heard[0].mode_epoch = 900;
     bench.say(0);
     assert!(bench.coordinator.epoch() > 900);
     assert_eq!(bench.mode(), ControlMode::StandBy, "somebody else coordinated the line: nothing starts");
-    assert!(Bench::with_last_epoch(41).coordinator.epoch() > 41);
+    assert!(CoordinatorBench::with_last_epoch(41).coordinator.epoch() > 41);
 }
 
 #[test]
 fn a_higher_epoch_heard_in_manual_does_not_lead_back_into_manual() {
-    let mut bench = Bench::in_mode(ControlMode::Manual);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Manual);
     bench.heard[0].mode_epoch = 900;
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::StandBy);
@@ -98,7 +98,7 @@ fn a_higher_epoch_heard_in_manual_does_not_lead_back_into_manual() {
 
 #[test]
 fn the_greatest_epoch_there_is_does_not_end_the_coordinator() {
-    let mut bench = Bench::with_last_epoch(u64::MAX);
+    let mut bench = CoordinatorBench::with_last_epoch(u64::MAX);
     bench.heard[0].mode_epoch = u64::MAX;
     bench.beat();
     bench.command(ModeCommand::Start);
@@ -107,7 +107,7 @@ fn the_greatest_epoch_there_is_does_not_end_the_coordinator() {
 
 #[test]
 fn a_console_that_is_lost_is_an_emergency_stop_and_must_be_back_before_the_reset() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.input(console(&[]));
     assert_eq!(bench.mode(), ControlMode::Auto);
     bench.input(ModeInput::Console { bits: 0, valid: false });
@@ -128,7 +128,7 @@ fn a_closed_circuit_contact_is_pressed_while_it_is_off() {
     let mut described = line();
     let contact = described.console.estop.as_mut().expect("it has one");
     contact.pressed = false;
-    let mut bench = Bench::of(described, 0);
+    let mut bench = CoordinatorBench::of(described, 0);
     assert_eq!(bench.command(ModeCommand::Start), None);
     assert_eq!(bench.command(ModeCommand::Auto), None);
     assert_eq!(bench.mode(), ControlMode::Auto);
@@ -144,7 +144,7 @@ fn a_closed_circuit_contact_is_pressed_while_it_is_off() {
 #[test]
 fn nothing_is_enabled_before_a_described_console_was_heard() {
     for mode in [ModeCommand::Auto, ModeCommand::Hand, ModeCommand::Manual] {
-        let mut bench = Bench::of_unheard_console(line(), 0);
+        let mut bench = CoordinatorBench::of_unheard_console(line(), 0);
         assert_eq!(bench.command(ModeCommand::Start), None);
         let refusal = bench.command(mode).expect("the console is not heard");
         assert!(refusal.contains("no console input received yet"), "{refusal}");
@@ -160,7 +160,7 @@ fn nothing_is_enabled_before_a_described_console_was_heard() {
 /// A selector leads into manual without a command.
 #[test]
 fn a_selector_enables_nothing_before_a_described_console_was_heard() {
-    let mut bench = Bench::of_unheard_console(line(), 0);
+    let mut bench = CoordinatorBench::of_unheard_console(line(), 0);
     assert_eq!(bench.command(ModeCommand::Start), None);
     bench.heard[0].selector_manual = true;
     bench.beat();
@@ -172,7 +172,7 @@ fn a_selector_enables_nothing_before_a_described_console_was_heard() {
 
 #[test]
 fn an_emergency_stop_is_not_reset_before_a_described_console_was_heard() {
-    let mut bench = Bench::of_unheard_console(line(), 0);
+    let mut bench = CoordinatorBench::of_unheard_console(line(), 0);
     bench.command(ModeCommand::EStop);
     let refusal = bench.command(ModeCommand::Reset).expect("the button may be in");
     assert!(refusal.contains("no console input received yet"), "{refusal}");
@@ -183,7 +183,7 @@ fn a_line_without_a_console_is_not_kept_from_moving() {
     let mut described = line();
     described.devices.retain(|device| device.owner != Owner::Console);
     described.console = linewright_line::Console::default();
-    let mut bench = Bench::of_unheard_console(described, 0);
+    let mut bench = CoordinatorBench::of_unheard_console(described, 0);
     assert_eq!(bench.command(ModeCommand::Start), None);
     assert_eq!(bench.command(ModeCommand::Auto), None);
     assert!(bench.coordinator.order().enabled);
@@ -195,7 +195,7 @@ fn a_wired_hand_button_that_is_down_when_the_console_comes_back_counts_when_it_w
     let mut described = line();
     // With an emergency stop, its loss would be one.
     described.console.estop = None;
-    let mut bench = Bench::of(described, 0);
+    let mut bench = CoordinatorBench::of(described, 0);
     let button = bench.line.buttons[0].clone();
     bench.input(console(&[&button]));
     assert_eq!(bench.coordinator.order().buttons, 1);
@@ -214,7 +214,7 @@ fn a_wired_hand_button_that_is_down_when_the_console_comes_back_counts_when_it_w
 
 #[test]
 fn a_console_button_counts_when_it_is_pressed_not_when_it_is_found_down() {
-    let mut bench = Bench::of_unheard_console(line(), 0);
+    let mut bench = CoordinatorBench::of_unheard_console(line(), 0);
     bench.input(console(&["PB_start"]));
     assert_eq!(bench.mode(), ControlMode::Home, "it was down when the console came up");
     bench.input(console(&[]));
@@ -229,7 +229,7 @@ fn a_console_button_counts_when_it_is_pressed_not_when_it_is_found_down() {
 
 #[test]
 fn lamps_show_the_mode_and_a_fault() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     let lamps = bench.line.console.lamps;
     let bit = |at: usize| 1 << lamps[at].expect("the shipped console has four lamps").0;
     assert_eq!(bench.out.lamps, bit(0));
@@ -240,7 +240,7 @@ fn lamps_show_the_mode_and_a_fault() {
 
 #[test]
 fn held_buttons_run_out_and_a_late_refresh_is_no_new_press() {
-    let mut bench = Bench::in_mode(ControlMode::Hand);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Hand);
     bench.input(ModeInput::Buttons(0b100));
     assert_eq!(bench.coordinator.order().buttons, 0b100);
     bench.out.changed = false;
@@ -258,7 +258,7 @@ fn held_buttons_run_out_and_a_late_refresh_is_no_new_press() {
 
 #[test]
 fn a_report_of_a_station_that_is_not_there_is_ignored() {
-    let mut bench = Bench::new();
+    let mut bench = CoordinatorBench::new();
     bench.input(ModeInput::Station(StationId(99), StationView::default()));
     assert_eq!(bench.mode(), ControlMode::Home);
 }
@@ -279,7 +279,7 @@ fn a_coordinator_that_has_heard_nobody_stays_where_nothing_moves() {
 /// A station that was last received at home may have begun its next round before it received the stop.
 #[test]
 fn home_is_reached_only_when_every_station_has_heard_of_the_stop() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.acknowledge = false;
     assert_eq!(bench.command(ModeCommand::Stop), None);
     assert_eq!(bench.mode(), ControlMode::Auto, "all are at home, as far as anybody knows");
@@ -302,7 +302,7 @@ fn home_is_reached_only_when_every_station_has_heard_of_the_stop() {
 #[test]
 fn in_stand_by_a_station_stands_only_when_it_has_heard_of_it() {
     for command in [ModeCommand::Stop, ModeCommand::Hand] {
-        let mut bench = Bench::in_mode(ControlMode::Auto);
+        let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
         bench.acknowledge = false;
         bench.heard[1].devices_valid = false;
         bench.say(1);
@@ -320,7 +320,7 @@ fn in_stand_by_a_station_stands_only_when_it_has_heard_of_it() {
 
 #[test]
 fn manual_is_entered_as_soon_as_every_station_has_heard_of_stand_by() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.acknowledge = false;
     bench.heard[1].devices_valid = false;
     bench.say(1);
@@ -339,7 +339,7 @@ fn manual_is_entered_as_soon_as_every_station_has_heard_of_stand_by() {
 /// A station that is lost after the command comes back when nobody may be watching.
 #[test]
 fn a_manual_that_waits_for_half_a_minute_is_given_up_and_does_not_come_late() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.acknowledge = false;
     bench.heard[1].devices_valid = false;
     bench.say(1);
@@ -347,7 +347,7 @@ fn a_manual_that_waits_for_half_a_minute_is_given_up_and_does_not_come_late() {
     bench.out.refusals.clear();
     // From now on the second station is not heard.
     let lost_at = bench.now;
-    let beat_of_others = |bench: &mut Bench, ms: u64| {
+    let beat_of_others = |bench: &mut CoordinatorBench, ms: u64| {
         bench.wait(Duration::from_millis(ms));
         for at in [0, 2] {
             bench.heard[at].mode_epoch = bench.coordinator.epoch();
@@ -377,7 +377,7 @@ fn a_manual_that_waits_for_half_a_minute_is_given_up_and_does_not_come_late() {
 
 #[test]
 fn why_auto_ended_by_itself_is_said_until_the_next_command() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.heard[1].devices_valid = false;
     bench.beat();
     assert_eq!(bench.coordinator.text(), "stand-by: clamp_1: I/O devices lost");
@@ -393,7 +393,7 @@ fn why_auto_ended_by_itself_is_said_until_the_next_command() {
 
 #[test]
 fn what_several_stations_lack_is_once_in_the_text_of_the_mode() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.heard.iter_mut().for_each(|heard| heard.generation = 0);
     bench.heard[1].at_home = false;
     bench.beat();
@@ -407,7 +407,7 @@ fn what_several_stations_lack_is_once_in_the_text_of_the_mode() {
 #[test]
 fn the_cause_of_an_emergency_stop_is_kept_until_it_is_reset_and_no_older_one_is_shown() {
     use linewright_coordinator_logic::EStopCause;
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.heard[1].devices_valid = false;
     bench.beat();
     bench.heard[1].devices_valid = true;
@@ -450,7 +450,7 @@ fn the_cause_of_an_emergency_stop_is_kept_until_it_is_reset_and_no_older_one_is_
 /// At home nothing depends on it, and start leads to manual.
 #[test]
 fn a_selector_at_manual_is_in_the_text_of_a_line_at_home() {
-    let mut bench = Bench::in_mode(ControlMode::Home);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Home);
     assert_eq!(bench.coordinator.text(), "home");
     bench.heard[1].selector_manual = true;
     bench.beat();
@@ -459,7 +459,7 @@ fn a_selector_at_manual_is_in_the_text_of_a_line_at_home() {
 
 #[test]
 fn auto_is_refused_while_the_line_stops_with_what_takes_the_stop_back() {
-    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.heard[2].at_home = false;
     bench.beat();
     bench.command(ModeCommand::Stop);

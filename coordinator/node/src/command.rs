@@ -32,32 +32,3 @@ pub fn command_of(line: &Line, words: &str) -> Result<CoordinatorArrival, String
     })?;
     Ok(CoordinatorArrival::Single(id, is_manual))
 }
-
-#[cfg(test)]
-mod tests {
-    use linewright_line::{StationId, TransferLine, parse};
-
-    use super::*;
-
-    #[test]
-    fn one_station_is_named_after_manual_or_auto() {
-        let line = parse("line.toml", &TransferLine::default().text()).expect("sound").line;
-        let command = |words| command_of(&line, words);
-        let single = |words| match command(words) {
-            Ok(CoordinatorArrival::Single(id, is_manual)) => (id, is_manual),
-            other => panic!("{other:?}"),
-        };
-        assert_eq!(single(" manual  clamp_1 "), (StationId(1), true));
-        assert_eq!(single("auto clamp_1"), (StationId(1), false));
-        assert!(matches!(command("E-Stop"), Ok(CoordinatorArrival::Command(ModeCommand::EStop))));
-        for (words, expected) in [
-            ("faster", "unknown command 'faster'; commands: start, stop, auto"),
-            ("faster clamp_1", "unknown command 'faster clamp_1'"),
-            ("hand clamp_1", "'hand clamp_1' is no command for one station"),
-            ("manual clamp_9", "no station 'clamp_9'; "),
-        ] {
-            let refusal = command(words).expect_err(words);
-            assert!(refusal.starts_with(expected), "{refusal}");
-        }
-    }
-}

@@ -19,5 +19,9 @@ mod stop_time;
 mod topics;
 mod waiting;
 
+pub use command::command_of;
 pub use node::{CoordinatorNodeError, CoordinatorOptions, run};
-pub use situation::LineSituation;
+pub use refusals::Refusals;
+pub use remembered::{record_of, remembered};
+pub use situation::{LineSituation, fault_note};
+pub use stop_time::StopTime;

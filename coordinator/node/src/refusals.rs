@@ -12,7 +12,7 @@ const SHOWN_FOR: Duration = Duration::from_secs(30);
 
 /// What has been refused.
 #[derive(Debug, Default)]
-pub(crate) struct Refusals {
+pub struct Refusals {
     /// Since the coordinator started.
     pub count: u64,
     text: String,
@@ -52,22 +52,5 @@ impl Refusals {
     pub fn standing(&self, now: Tick) -> (&str, Duration) {
         let age = now.since(self.at);
         if self.text.is_empty() || age >= SHOWN_FOR { ("", Duration::ZERO) } else { (&self.text, age) }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_refusal_stands_with_its_age_until_something_ends_it_or_half_a_minute_is_over() {
-        let mut refusals = Refusals::default();
-        let at = Tick::from_millis;
-        refusals.refuse(at(1000), "hand refused in auto".to_owned());
-        assert_eq!(refusals.standing(at(30_999)), ("hand refused in auto", Duration::from_millis(29_999)));
-        assert_eq!(refusals.standing(at(31_000)), ("", Duration::ZERO));
-        refusals.refuse(at(40_000), "manual refused in auto".to_owned());
-        refusals.end();
-        assert_eq!((refusals.standing(at(40_001)), refusals.count), (("", Duration::ZERO), 2));
     }
 }

@@ -29,20 +29,3 @@ fn read(record: &[u8]) -> Option<CoordinatorRecord> {
         _ => None,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_journal_that_holds_something_else_is_an_emergency_stop() {
-        let path = Path::new("coordinator.journal");
-        for estop in [false, true] {
-            let kept = CoordinatorRecord { epoch: 7, estop };
-            assert_eq!(remembered(&record_of(kept), path), kept);
-        }
-        for other in [&b"epoch x -"[..], b"epoch 7", b"epoch 7 maybe", b"\xff", b"", b"epoch 18446744073709551616 -"] {
-            assert_eq!(remembered(other, path), CoordinatorRecord { epoch: 0, estop: true }, "{other:?}");
-        }
-    }
-}

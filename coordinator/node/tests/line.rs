@@ -1,12 +1,13 @@
 //! Notes on a station from one of its states to the next, and those in the database of a line.
 
 use linewright_coordinator_logic::CompletedCycle;
-use linewright_coordinator_node::LineSituation;
 use linewright_coordinator_node::line::{LineHistory, StationObserver};
+use linewright_coordinator_node::{LineSituation, fault_note};
 use linewright_history::{About, EventKind, History, HistoryReader, LineAbout, MotionOutcome, Note, TimeBase};
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, StationId, Tick, TransferLine};
+use linewright_line::{Line, StationId, Tick};
 use linewright_msgs::StationState;
+use linewright_testkit::built::transfer_line;
 
 const AT: fn(u64) -> Tick = Tick::from_millis;
 
@@ -109,10 +110,6 @@ fn a_state_of_another_description_is_not_looked_at() {
     assert_eq!(notes(&mut observer, &[(10, state([1, 0], [1, 0])), (20, state([3, 0], [1, 0]))]), []);
 }
 
-fn line() -> Line {
-    linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line
-}
-
 fn in_auto(line: &Line) -> LineSituation {
     let all = vec![true; line.stations.len()];
     LineSituation { starts: true, mode: ControlMode::Auto, heard: all.clone(), devices: all, ..LineSituation::new(0) }
@@ -121,7 +118,7 @@ fn in_auto(line: &Line) -> LineSituation {
 /// A second life goes on behind the first, with the whole situation first.
 #[test]
 fn the_database_of_a_line_begins_with_how_everything_stands_in_each_life() {
-    let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+    let (dir, line) = (tempfile::tempdir().expect("a directory"), transfer_line());
     let mut now = in_auto(&line);
     let mut history = LineHistory::begin(dir.path(), &line, AT(5), None);
     assert!(history.situation(AT(10), &now), "it is written");
@@ -170,7 +167,7 @@ fn of(line: &Line, station: u16) -> StationState {
 /// Another line's database cannot be used. When it is moved away while the line runs, the observation begins in a new one.
 #[test]
 fn a_line_goes_on_while_its_database_cannot_be_used_and_is_recorded_when_it_can() {
-    let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+    let (dir, line) = (tempfile::tempdir().expect("a directory"), transfer_line());
     let path = dir.path().join("line.db");
     let other = LineAbout {
         line: "other".to_owned(),
@@ -204,7 +201,7 @@ fn a_line_goes_on_while_its_database_cannot_be_used_and_is_recorded_when_it_can(
 /// A disk that hangs: when it takes notes again, the observation begins anew, a second after the note that found no room.
 #[test]
 fn a_database_that_hangs_leaves_a_gap_and_the_observation_begins_anew_a_second_later() {
-    let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+    let (dir, line) = (tempfile::tempdir().expect("a directory"), transfer_line());
     let path = dir.path().join("line.db");
     let about = LineAbout {
         line: line.name.clone(),
@@ -252,4 +249,48 @@ fn a_database_that_hangs_leaves_a_gap_and_the_observation_begins_anew_a_second_l
     let (begun, _) = begun();
     assert_eq!(begun.len(), 2);
     assert_eq!(begun[1].since(begun[0]), std::time::Duration::from_millis(1090));
+}
+
+#[test]
+fn since_the_opposite_all_of_it_is_noted_also_what_was_lost_meanwhile() {
+    let now = LineSituation { heard: vec![true, false], devices: vec![true, false], ..LineSituation::new(2) };
+    let notes: Vec<Note> = now.notes_since(&now.opposite()).collect();
+    let device = |station, lost| Note::Device { station, device: String::new(), lost };
+    let expected = [
+        Note::Mode { name: "stand-by".to_owned(), starts: false },
+        Note::EmergencyStop { on: false },
+        Note::Station { station: 0, lost: false },
+        Note::Station { station: 1, lost: true },
+        device(0, false),
+        device(1, true),
+    ];
+    assert_eq!(notes, expected);
+}
+
+#[test]
+fn only_what_has_changed_is_noted() {
+    let before = LineSituation { heard: vec![true; 2], devices: vec![true; 2], ..LineSituation::new(2) };
+    assert_eq!(before.notes_since(&before).count(), 0);
+    let mut after = before.clone();
+    (after.mode, after.heard[1], after.devices[0]) = (ControlMode::EStop, false, false);
+    let notes: Vec<Note> = after.notes_since(&before).collect();
+    let expected = [
+        Note::Mode { name: "e-stop".to_owned(), starts: false },
+        Note::EmergencyStop { on: true },
+        Note::Station { station: 1, lost: true },
+        Note::Device { station: 0, device: String::new(), lost: true },
+    ];
+    assert_eq!(notes, expected);
+    let notes: Vec<Note> = before.notes_since(&after).collect();
+    assert!(notes.contains(&Note::Station { station: 1, lost: false }), "{notes:?}");
+}
+
+#[test]
+fn a_fault_is_noted_when_it_comes_and_when_it_goes() {
+    let mut last = None;
+    let watchdog = "cut: watchdog: motion not complete in time (LS_100 off)";
+    let note = |text: &str| Some(Note::Fault { station: 1, text: text.to_owned() });
+    for (fault, noted) in [("", note("")), ("", None), (watchdog, note(watchdog)), (watchdog, None), ("", note(""))] {
+        assert_eq!(fault_note(&mut last, 1, fault), noted, "{fault}");
+    }
 }

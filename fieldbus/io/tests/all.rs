@@ -2,5 +2,7 @@
 //!
 //! Others are `vcan` and `sdo_python`, which are run whole where there is a real CAN interface.
 
+mod interface;
+mod own_buses;
 mod texts;
 mod virtual_bus;

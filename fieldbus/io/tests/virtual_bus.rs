@@ -33,7 +33,7 @@ async fn everyone_else_hears_a_frame_once_and_its_sender_does_not() {
 async fn buses_of_different_names_do_not_meet() {
     let dir = tempfile::tempdir().unwrap();
     let mut a = Bus::open("can-a", &options(&dir)).unwrap();
-    let mut b = Bus::open("can-b", &options(&dir)).unwrap();
+    let mut b = Bus::open("can-drill.1", &options(&dir)).unwrap();
     a.send(&frame(1));
     assert!(tokio::time::timeout(Duration::from_millis(20), b.recv()).await.is_err());
 }
@@ -168,4 +168,15 @@ async fn a_killed_process_leaves_nothing_behind() {
     assert_eq!(members(), 1);
     let stats = bus.stats();
     assert_eq!((stats.send_errors, stats.overruns), (0, 0));
+}
+
+#[tokio::test]
+async fn frames_reach_the_bus_past_its_first_owner() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let stuck = Bus::open("vcan0", &options(&dir)).expect("a virtual bus");
+    let mut device = Bus::open("vcan0", &options(&dir)).expect("a virtual bus");
+    let last = stuck.last_wire().expect("a socket");
+    let frame = Frame::data_frame(0x123, &[0, 5]).expect("a frame");
+    assert_eq!(std::thread::spawn(move || last.send(&[frame])).join().expect("it ends"), 1);
+    assert_eq!(device.recv().await.expect("a virtual bus stays"), frame);
 }

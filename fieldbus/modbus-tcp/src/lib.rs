@@ -17,7 +17,7 @@ use linewright_line::{Device, Owner};
 use linewright_modbus::{LinkAct, LinkOutcome, LinkTask, ModbusManager, ModbusOutbox};
 use tokio::sync::mpsc;
 
-use last::LastOrder;
+pub use last::{LastOrder, LastOutcome, send_all};
 use link::Connection;
 
 /// Outcome from a connection: place of the device, number of the connection, outcome.

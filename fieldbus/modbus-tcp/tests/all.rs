@@ -1,3 +1,4 @@
 //! The tests of this crate as one program: programs of their own would each be linked with all that they share.
 
+mod last;
 mod python;

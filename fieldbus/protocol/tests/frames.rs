@@ -6,7 +6,7 @@ use std::time::Duration;
 use linewright_canopen::Frame;
 use proptest::prelude::*;
 
-use linewright_testkit::manager_frames::Bench;
+use linewright_testkit::manager_frames::ManagerFramesBench;
 
 /// A script in which devices are brought up and looked after now and then, so that it comes to process data.
 fn script() -> impl Strategy<Value = Vec<u8>> {
@@ -27,7 +27,7 @@ fn any_frames_change_no_output() {
     let mut runner = proptest::test_runner::TestRunner::new_with_rng(config, rng);
     let [energised, driven, outputs] = [const { Cell::new(0) }; 3];
     let result = runner.run(&script(), |script| {
-        let mut bench = Bench::set_up();
+        let mut bench = ManagerFramesBench::set_up();
         bench.play(&script);
         energised.set(energised.get() + bench.energised);
         driven.set(driven.get() + bench.driven);
@@ -42,10 +42,10 @@ fn any_frames_change_no_output() {
 /// Every kind of frame there is, again and again, from every device and from none, without any intervention.
 #[test]
 fn floods_leave_nothing_behind() {
-    let mut bench = Bench::set_up();
+    let mut bench = ManagerFramesBench::set_up();
     bench.play(&[0x72, 0x09, 0xFF, 0x19, 0xFF]);
     let mut number = 0u64;
-    let mut flood = |bench: &mut Bench, frames: usize| {
+    let mut flood = |bench: &mut ManagerFramesBench, frames: usize| {
         for _ in 0..frames {
             number += 1;
             let random = number.wrapping_mul(0x9E37_79B9_7F4A_7C15);

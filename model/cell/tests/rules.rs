@@ -1,6 +1,6 @@
 //! Every rule, broken once: edits of the shipped cells, and the problems they raise, in `problems/*.cases`.
 
-use linewright_cell::parse;
+use linewright_cell::{fits, parse};
 use linewright_text::Problem;
 
 use linewright_testkit::cells::{ASSEMBLY, ASSEMBLY_LINE, C1, C1_LINE, edited};
@@ -107,4 +107,11 @@ fn a_station_that_is_not_task_driven_gets_none_and_one_that_is_should() {
     let problems = parse("cell.toml", C1, Some(&line)).expect_err("there is no robot");
     let has = |words: &str| problems.iter().any(|problem| problem.message.contains(words));
     assert!(has("nothing is ordered of station `other`") && has("the line has no station `robot`"), "{problems:#}");
+}
+
+#[test]
+fn a_star_stands_for_anything() {
+    let fitting = ["load M*", "*", "load M1", "l*M*1", "load M1*"];
+    assert!(fitting.iter().all(|pattern| fits(pattern, "load M1")));
+    assert!(!["load", "load M", "*2", "M*", "", "load M1?", "*1*1"].iter().any(|no| fits(no, "load M1")));
 }

@@ -91,37 +91,3 @@ fn hex(digits: &str) -> Option<u32> {
     let all_are = !digits.is_empty() && digits.len() <= 8 && digits.chars().all(|c| c.is_ascii_hexdigit());
     if all_are { u32::from_str_radix(digits, 16).ok() } else { None }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_in_any_case() {
-        for (name, expected) in [
-            ("fileinfo", SectionKind::FileInfo),
-            ("DEVICECOMMISSIONING", SectionKind::Commissioning),
-            ("DeviceComissioning", SectionKind::Commissioning),
-            ("1018", SectionKind::Object(0x1018)),
-            ("1A00", SectionKind::Object(0x1A00)),
-            ("1a00SUBa", SectionKind::Sub(0x1A00, 10)),
-            ("1A00sub0A", SectionKind::Sub(0x1A00, 10)),
-            ("6000 sub 1", SectionKind::Sub(0x6000, 1)),
-            ("1003Name", SectionKind::Names(0x1003)),
-            ("1003value", SectionKind::Values(0x1003)),
-            ("1003Denotation", SectionKind::Denotations(0x1003)),
-            ("1003ObjectLinks", SectionKind::Unknown),
-            ("M1SubExt6000", SectionKind::Unknown),
-            ("Tools", SectionKind::Unknown),
-            ("A0", SectionKind::Unknown),
-            ("", SectionKind::Unknown),
-            ("1018sub", SectionKind::Garbled),
-            ("1018sub1FF", SectionKind::Garbled),
-            ("1018sub0x1", SectionKind::Garbled),
-            ("0x1018", SectionKind::Garbled),
-            ("101ü", SectionKind::Unknown),
-        ] {
-            assert_eq!(classify(name), expected, "{name}");
-        }
-    }
-}

@@ -5,3 +5,4 @@ mod devices;
 mod hostile;
 mod problems;
 mod round_trip;
+mod spelling;

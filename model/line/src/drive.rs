@@ -225,33 +225,3 @@ pub(crate) fn trapezoid_time(distance: f64, velocity: f64, acceleration: f64) ->
         2.0 * (distance / acceleration).sqrt()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_time_of_a_motion_is_that_of_a_trapezoid_or_a_triangle() {
-        // 0.1 s up, 0.1 s down, 10 mm of the way in those, 90 mm at 100 mm/s.
-        assert!((trapezoid_time(100.0, 100.0, 1000.0) - 1.1).abs() < 1e-12);
-        // 2 mm up and 2 mm down: s = a t² / 2.
-        assert!((trapezoid_time(-4.0, 1000.0, 1000.0) - 2.0 * (2.0 * 2.0 / 1000.0f64).sqrt()).abs() < 1e-12);
-        assert_eq!(trapezoid_time(0.0, 1.0, 1.0), 0.0);
-    }
-
-    #[test]
-    fn of_two_numbers_nothing_that_turns_the_axis_stays_on() {
-        const LAMP: u128 = 1 << 7;
-        let orders = [NumberedOrder { turn: 1, number: 0b1110 }];
-        let order = |place: u128| 1 | place << 1;
-        for before in 1..=7 {
-            for after in 0..=7 {
-                let staying = NumberedOrder::staying(&orders, order(before) | LAMP, order(after) | LAMP);
-                assert_eq!(staying & 1 != 0, before == after, "{before} and then {after}");
-                assert_eq!(staying & LAMP, LAMP);
-            }
-            assert_eq!(NumberedOrder::staying(&orders, order(before) | LAMP, 0), 0);
-        }
-        assert_eq!(NumberedOrder::staying(&[], order(3), order(1)), order(1), "outputs that each mean something");
-    }
-}

@@ -77,27 +77,3 @@ pub fn duration_text(span: Duration) -> String {
         format!("{} s", span.as_millis() as f64 / 1000.0)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::TransferLine;
-
-    #[test]
-    fn a_signal_is_named_with_device_node_object_and_bit() {
-        let line = crate::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
-        let text = |station: &str, input: &str| {
-            let id = line.station_named(station).expect("there");
-            let at = line.station(id).inputs.iter().position(|name| name == input).expect("there");
-            line.input_text(Owner::Station(id), InputId(u16::try_from(at).expect("small")))
-        };
-        assert_eq!(text("clamp_1", "LS_closed"), "LS_closed (clamp 1 io, node 21h, 6000h:01 bit 1)");
-        assert_eq!(text("transfer", "LS_horizontal_500"), "LS_horizontal_500 (transfer io, node 11h, 6000h:02 bit 1)");
-        let mut bare = line.clone();
-        bare.devices.clear();
-        assert_eq!(bare.input_text(Owner::Station(crate::StationId(1)), InputId(0)), "LS_open");
-        assert_eq!(line.input_text(Owner::Console, InputId(999)), "an input");
-        let texts = [250, 1000, 1500].map(|millis| duration_text(Duration::from_millis(millis)));
-        assert_eq!(texts, ["250 ms", "1 s", "1.5 s"]);
-    }
-}

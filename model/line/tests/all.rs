@@ -8,6 +8,7 @@ mod io_list;
 mod modbus;
 mod net;
 mod never_panics;
+mod position;
 mod problems;
 mod report;
 mod setups;

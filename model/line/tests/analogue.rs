@@ -51,3 +51,46 @@ fn channels_are_read_and_their_signals_are_bits_like_any() {
     assert!(text(first + 2).ends_with("6401h:02 is no measurement)"), "{}", text(first + 2));
     assert!(line.devices[0].carried_outputs().contains(&OutputId(2)));
 }
+
+fn channel(number: u8, factor: f64, offset: f64) -> AnalogueChannel {
+    AnalogueChannel { number, unit: "bar".to_owned(), factor, offset }
+}
+
+#[test]
+fn channels_lie_four_to_a_process_data_object() {
+    let place = |number| (channel(number, 1.0, 0.0).pdo(), channel(number, 1.0, 0.0).field().start);
+    assert_eq!([1, 4, 5, 8, 9, 12].map(place), [(2, 0), (2, 48), (3, 0), (3, 48), (4, 0), (4, 48)]);
+}
+
+#[test]
+fn numbers_and_values_are_each_others_inverse() {
+    for (factor, offset) in [(0.01, 0.0), (-0.5, 3.0), (2.5, -1000.0), (1.0 / 3.0, 0.1)] {
+        let channel = channel(1, factor, offset);
+        for number in i16::MIN..=i16::MAX {
+            assert_eq!(channel.number_of(channel.value_of(number)), Some(number), "{factor} {offset}");
+        }
+        assert_eq!(channel.number_of(factor * 32768.0 + offset), None);
+    }
+    assert_eq!(channel(1, 0.01, 0.0).text(5.0), "5.00 bar");
+    assert_eq!(channel(1, 20.0, 0.0).text(-40.0), "-40 bar");
+}
+
+#[test]
+fn a_channel_rests_while_none_or_two_of_its_outputs_are_on() {
+    let outputs = vec![(OutputId(0), 3.5), (OutputId(5), 6.0)];
+    let output = AnalogueOutput { channel: channel(1, 0.01, 0.0), rest: 0.5, outputs };
+    assert_eq!([0, 1, 1 << 5, 1 | 1 << 5, 1 << 4].map(|image| output.number(image)), [50, 350, 600, 50, 50]);
+}
+
+#[test]
+fn the_ends_of_the_range_and_what_is_beyond_the_limits_is_no_measurement() {
+    let channel = channel(1, 0.001, 0.0);
+    let (inputs, broken, simulated) = (Vec::new(), None, None);
+    let mut input = AnalogueInput { channel, least: None, most: None, inputs, broken, simulated };
+    let measured = |input: &AnalogueInput| {
+        [i16::MIN, -32767, 3599, 3600, 21000, 21001, 32766, i16::MAX].map(|number| input.is_measured(number))
+    };
+    assert_eq!(measured(&input), [false, true, true, true, true, true, true, false]);
+    (input.least, input.most) = (Some(3.6), Some(21.0));
+    assert_eq!(measured(&input), [false, false, false, true, true, false, false, false]);
+}

@@ -1,7 +1,8 @@
 //! Devices that are drives: what is read.
 
 use linewright_line::{
-    AtRest, AxisId, DriveMode, DriveTarget, Homing, InputId, OutputId, Owner, Problem, StationId, parse,
+    AtRest, AxisId, Drive, DriveIndex, DriveMode, DriveTarget, Homing, InputId, NumberedOrder, OutputId, Owner,
+    Problem, StationId, TurnDirection, parse,
 };
 
 const DRIVES: &str = include_str!("descriptions/drives.toml");
@@ -51,4 +52,45 @@ fn a_homing_may_have_signals_of_its_own() {
     let homing = parsed.line.devices[1].drive().and_then(|drive| drive.homing).expect("a homing");
     assert_eq!((homing.output, homing.done, homing.offset), (OutputId(6), Some(InputId(9)), 0.0));
     assert!(parsed.warnings.iter().any(|w| w.message == "nothing uses `home_x`"), "no operation orders it");
+}
+
+/// The drive of the description.
+fn drive() -> Drive {
+    let parsed = parse("drives.toml", DRIVES).unwrap_or_else(|problems| panic!("{problems:#}"));
+    parsed.line.devices[1].drive().expect("it is a drive").clone()
+}
+
+#[test]
+fn the_time_of_a_motion_is_that_of_a_trapezoid_or_a_triangle() {
+    let drive = Drive { acceleration: 1000.0, ..drive() };
+    // 0.1 s up, 0.1 s down, 10 mm of the way in those, 90 mm at 100 mm/s.
+    assert!((drive.time_for(100.0, 100.0) - 1.1).abs() < 1e-12);
+    // 2 mm up and 2 mm down: s = a t² / 2.
+    assert!((drive.time_for(-4.0, 1000.0) - 2.0 * (2.0 * 2.0 / 1000.0f64).sqrt()).abs() < 1e-12);
+    assert_eq!(drive.time_for(0.0, 1.0), 0.0);
+}
+
+#[test]
+fn of_two_numbers_nothing_that_turns_the_axis_stays_on() {
+    const LAMP: u128 = 1 << 7;
+    let index = DriveIndex {
+        places: 7,
+        turn: 360.0,
+        direction: TurnDirection::Positive,
+        to: vec![OutputId(1), OutputId(2), OutputId(3)],
+        place: Vec::new(),
+    };
+    let target = DriveTarget { output: OutputId(0), to: 0.0, at: InputId(0), velocity: 1.0 };
+    let drive = Drive { targets: vec![target], index: Some(index), ..drive() };
+    let orders = [NumberedOrder::of(&drive).expect("it is sent to places by number")];
+    let order = |place: u128| 1 | place << 1;
+    for before in 1..=7 {
+        for after in 0..=7 {
+            let staying = NumberedOrder::staying(&orders, order(before) | LAMP, order(after) | LAMP);
+            assert_eq!(staying & 1 != 0, before == after, "{before} and then {after}");
+            assert_eq!(staying & LAMP, LAMP);
+        }
+        assert_eq!(NumberedOrder::staying(&orders, order(before) | LAMP, 0), 0);
+    }
+    assert_eq!(NumberedOrder::staying(&[], order(3), order(1)), order(1), "outputs that each mean something");
 }

@@ -1,6 +1,9 @@
 //! I/O lists: changes of a description by a list, and what stays.
 
-use linewright_line::{DeviceBegin, IoListError, IoRow, TransferLine, io_list, parse, unknown_devices, with_io_list};
+use linewright_line::{
+    BitAddress, DeviceBegin, IoDirection, IoListError, IoRow, TransferLine, io_list, parse, unknown_devices,
+    with_io_list, within_devices,
+};
 use proptest::prelude::*;
 
 use crate::types::TYPES;
@@ -89,6 +92,15 @@ fn signals_change_places_and_the_text_around_them_stays() {
 }
 
 #[test]
+fn a_device_within_braces_keeps_its_comments_within_braces() {
+    let mut document: toml_edit::DocumentMut = TransferLine::default().text().parse().expect("TOML");
+    document["device"].make_value();
+    let commented = IoRow { comment: Some("x".to_owned()), ..row("LS_open", "%IX0.0", "clamp 1 io") };
+    let (after, _) = taken(&document.to_string(), &[commented]);
+    assert!(after.contains(", comments = { LS_open = \"x\" } }"), "{after}");
+}
+
+#[test]
 fn a_list_binds_what_no_device_carries_yet() {
     let text = TransferLine::default().text();
     let bare = text.replace("outputs = [\"open\", \"close\", \"lamp_clamp\"]\n", "");
@@ -166,6 +178,89 @@ fn devices_of_begins_are_looked_for_by_name() {
         unknown,
         ["no device with inputs and outputs is called `clamp 1 oi`: did you mean `clamp 1 io`?".to_owned()]
     );
+}
+
+fn begins(texts: &[&str]) -> Vec<DeviceBegin> {
+    texts.iter().map(|text| DeviceBegin::read(text).expect("it is as it has to be")).collect()
+}
+
+#[test]
+fn rows_find_their_devices_by_where_these_begin() {
+    let begins = begins(&["load io=0", "drill io=%I4,%Q2"]);
+    let rows = vec![
+        row("a", "%I3.7", ""),
+        row("b", "E 4.0", ""),
+        row("c", "%Q2.1", ""),
+        row("d", "A 1.1", "load io"),
+        row("m", "%M4.0", ""),
+        row("w", "%IW64", ""),
+        row("t", "T 5", ""),
+        row("n", "", ""),
+    ];
+    let found = within_devices(rows, &begins).expect("all are certain");
+    let found: Vec<_> =
+        found.iter().map(|row| (row.name.as_str(), row.device.as_str(), row.address.as_str())).collect();
+    let places = [
+        ("a", "load io", "%IX3.7"),
+        ("b", "drill io", "%IX0.0"),
+        ("c", "drill io", "%QX0.1"),
+        ("d", "load io", "%QX1.1"),
+    ];
+    assert_eq!(found, places);
+}
+
+#[test]
+fn a_row_of_which_the_device_is_not_certain_is_refused() {
+    let problem =
+        |row: IoRow, given: &[&str]| within_devices(vec![row], &begins(given)).expect_err("refused")[0].clone();
+    let before = problem(row("a", "%I3.0", ""), &["load io=4"]);
+    assert_eq!(before.message, "no --begin says that a device begins at `%I3.0` or before it");
+    let behind = problem(row("a", "%I12.0", ""), &["load io=4"]);
+    assert!(behind.message.contains("8 bytes behind the beginning of `load io`"), "{}", behind.message);
+    let unnamed = problem(row("a", "%I4.0", "drill io"), &["load io=4"]);
+    assert!(unnamed.message.contains("`drill io`"), "{}", unnamed.message);
+    let outputs = problem(row("a", "%Q4.0", ""), &["load io=%I4"]);
+    assert!(outputs.message.starts_with("no --begin"), "{}", outputs.message);
+    let same = problem(row("a", "%I4.0", ""), &["load io=4", "drill io=4"]);
+    assert!(same.message.contains("begin at the same byte"), "{}", same.message);
+    assert!(problem(row("a", "%I4.9", ""), &["load io=4"]).message.contains("no address of a bit"));
+    for wrong in ["load io", "load io=", "load io=%M4", "load io=%I4,%I5", "load io=-1", "load io=%I4.0"] {
+        assert!(DeviceBegin::read(wrong).is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn addresses_are_read_as_they_are_written() {
+    for direction in [IoDirection::Input, IoDirection::Output] {
+        for bit in 0..64 {
+            let address = BitAddress { direction, bit };
+            assert_eq!(BitAddress::read(&address.to_string()), Some(address));
+            let german = address.to_string().replace("%IX", "E ").replace("%QX", "A ");
+            assert_eq!(BitAddress::read(&german), Some(address));
+        }
+    }
+    assert_eq!(BitAddress { direction: IoDirection::Output, bit: 11 }.to_string(), "%QX1.3");
+    for same in ["%IX1.3", "%I1.3", " %ix1.3 ", "6000h:02 bit 3", "%IX01.3", "I1.3", "E    1.3", "%E1.3", "i 1.3"] {
+        let address = Some(BitAddress { direction: IoDirection::Input, bit: 11 });
+        assert_eq!(BitAddress::read(same), address, "{same}");
+    }
+    for wrong in [
+        "",
+        "%",
+        "%IX",
+        "%IX1",
+        "%IX1.8",
+        "%IX8.0",
+        "%MX0.0",
+        "%IW0",
+        "%IX-1.0",
+        "%IX1.3.4",
+        "6000h:00 bit 0",
+        "é",
+        "E",
+    ] {
+        assert_eq!(BitAddress::read(wrong), None, "{wrong}");
+    }
 }
 
 proptest! {

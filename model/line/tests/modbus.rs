@@ -121,3 +121,15 @@ fn a_watchdog_register_is_written_by_one_device_alone() {
         said(&within)
     );
 }
+
+#[test]
+fn an_address_has_a_host_and_a_port() {
+    let with = |address: &str| DEVICE.replace("10.0.0.5:502", address);
+    for address in ["192.168.1.20:502", "press-io:1502", "[::1]:502"] {
+        assert_eq!(modbus(&with(address)).address, address);
+    }
+    for address in ["", ":", "host", "host:", ":502", "host:0", "host:65536", "host:+5", "a b:502", "::1:502", "[]:5"] {
+        let problems = parse("line.toml", &line(&with(address))).expect_err(address);
+        assert!(problems.iter().any(|problem| problem.message.contains("is no address")), "{address}: {problems:#}");
+    }
+}

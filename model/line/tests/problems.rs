@@ -1,6 +1,7 @@
 //! Every rule, broken once: edits of the descriptions here, and the problems they raise, in `problems/*.cases`.
 
-use linewright_line::{Problem, TransferLine, parse};
+use linewright_line::{Problem, Timing, TransferLine, parse, schema};
+use linewright_text::{Shape, Usual};
 
 use crate::{analogue, modbus, types};
 
@@ -141,4 +142,16 @@ fn a_console_is_not_needed_and_a_contact_opens_or_closes() {
 #[test]
 fn rules_of_types() {
     check("types.cases");
+}
+
+/// The default times of the documented keys.
+#[test]
+fn the_usual_times_are_those_of_a_timing() {
+    let table = |shape: Shape| if let Shape::Table(_, keys) = shape { keys } else { panic!("{shape:?}") };
+    let timing = table(schema()).into_iter().find(|property| property.key == "timing").expect("it has times");
+    let described: Vec<_> = table(timing.shape).into_iter().map(|property| property.usual).collect();
+    let usual = Timing::default();
+    let times = [usual.refresh, usual.stale, usual.lease, usual.heartbeat, usual.heartbeat_timeout];
+    let times = times.map(|time| Some(Usual::Whole(time.as_millis() as i64)));
+    assert_eq!(described, [&times[..], &[None]].concat());
 }

@@ -61,3 +61,23 @@ fn what_keeps_an_output_on_without_a_manager_is_read_with_its_reason() {
         assert!(parse("line.toml", &text).is_ok(), "{object} = {value}");
     }
 }
+
+#[test]
+fn objects_are_read_in_the_forms_people_use_and_numbers_become_bytes_of_their_width() {
+    let settings = |object: &str, kind: &str, value: i64| {
+        let text = with(&format!("settings = [{{ object = \"{object}\", type = \"{kind}\", value = {value} }}]"));
+        parse("line.toml", &text)
+            .map(|parsed| parsed.line.devices[0].canopen().expect("CANopen").setup.settings.clone())
+    };
+    let written = |index, sub, data: &[u8]| Ok(vec![ObjectWrite { index, sub, data: data.to_vec() }]);
+    for object in ["6206:01", "6206:1", "6206h:01", "0x6206:0x01"] {
+        assert_eq!(settings(object, "u8", 255), written(0x6206, 1, &[255]), "{object}");
+    }
+    for object in ["", ":", "6206:", "62061:01", "6206:100", "g", "6206:-1", "+206:1"] {
+        assert!(settings(object, "u8", 255).is_err(), "{object}");
+    }
+    assert_eq!(settings("2000", "u16", 0x1234), written(0x2000, 0, &[0x34, 0x12]));
+    assert_eq!(settings("2000", "i8", -1), written(0x2000, 0, &[0xFF]));
+    assert_eq!(settings("2000", "u32", 0xFFFF_FFFF), written(0x2000, 0, &[0xFF; 4]));
+    assert!(settings("2000", "i32", 1 << 31).is_err());
+}

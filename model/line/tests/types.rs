@@ -81,7 +81,7 @@ fn what_is_written_out_has_its_comments_and_no_types() {
 
 #[test]
 fn keys_of_tables_have_parameters_as_texts_have() {
-    let (plain, braces) = ("LS_open", "LS{number}_open");
+    let (plain, braces) = ("LS_open", "LS{number}.open");
     let device = "node = \"{io}\"\ninputs = [\"LS_open\"";
     assert!(TYPES.contains(device) && TYPES.contains("complete = \"LS_open\""), "the description has changed");
     let named = |signal: &str, comments: &str| {
@@ -89,17 +89,32 @@ fn keys_of_tables_have_parameters_as_texts_have() {
         let inputs = format!("node = \"{{io}}\"\ninputs = [\"{signal}\"");
         text.replacen(&inputs, &format!("{comments}\n{inputs}"), 1)
     };
-    let inline = named(braces, "comments = { \"LS{number}_open\" = \"at {io}\", LS_closed = \"{{\" }");
-    let dotted = named(braces, "comments.\"LS{number}_open\" = \"at {io}\"\ncomments.LS_closed = \"{{\"");
+    let inline = named(braces, "comments = { \"LS{number}.open\" = \"at {io}\", LS_closed = \"{{\" }");
+    let dotted = named(braces, "comments.\"LS{number}.open\" = \"at {io}\"\ncomments.LS_closed = \"{{\"");
     for text in [inline, dotted] {
         let out = written_out(&text);
-        assert!(out.contains("LS1_open = \"at 33\""), "{out}");
+        assert!(out.contains("\"LS1.open\" = \"at 33\""), "{out}");
         // Every signal that has a comment is one of the device.
         line(&text);
     }
     let unknown = named(plain, "comments = { \"LS{count}_open\" = \"at\" }");
     let problems = parse("line.toml", &unknown).expect_err("no such parameter");
     assert!(format!("{problems:#}").contains("unknown parameter `{count}`"), "{problems:#}");
+}
+
+#[test]
+fn a_brace_of_the_texts_own_is_written_twice() {
+    let text = TYPES.replacen("title = \"Clamp {number}\"", "title = \"{number}: close {{{io}}}\"", 1);
+    assert_eq!(line(&text).stations[1].title, "1: close {33}");
+    let wrong = |title: &str| {
+        let text = TYPES.replacen("title = \"Clamp {number}\"", &format!("title = \"{title}\""), 1);
+        let problems = parse("line.toml", &text).expect_err(title).into_vec();
+        problems.into_iter().map(|problem| problem.message).collect::<Vec<_>>()
+    };
+    for open in ["{name", "a}b", "{", "}", "{{}"] {
+        assert_eq!(wrong(open), ["a brace without its other half"], "{open}");
+    }
+    assert_eq!(wrong("é{é}"), ["unknown parameter `{é}` of this type"]);
 }
 
 #[test]

@@ -5,6 +5,7 @@
 
 mod diagnostics;
 mod names;
+pub mod numbers;
 mod services;
 mod trouble;
 
@@ -19,7 +20,7 @@ use tokio::sync::mpsc;
 pub use names::device_names;
 pub use services::DeviceServiceRequest;
 use services::PendingTransfer;
-pub use trouble::{DeviceDiagnosticsTopic, TROUBLE_BYTES_MAX, in_words};
+pub use trouble::{DeviceDiagnosticsTopic, TROUBLE_BYTES_MAX, in_words, since_start};
 
 /// Period of full reports when nothing changes.
 const EVERY: Duration = Duration::from_secs(1);

@@ -12,6 +12,7 @@ use linewright_node_shell::{Forward, RosNode, ServiceReply, TopicError, serve};
 use tokio::sync::mpsc;
 
 use super::Devices;
+use super::numbers::{bytes_of, is_signed, low_bytes, number};
 
 /// Request to a service.
 #[derive(Debug)]
@@ -89,36 +90,6 @@ pub fn open_device(
     ])
 }
 
-/// Length of an object of this type (CiA 301 table 44), in bytes; `None` for a type the service does not support.
-fn bytes_of(datatype: u8) -> Option<usize> {
-    match datatype {
-        CoReadIdRequest::CANOPEN_DATATYPE_INT8 | CoReadIdRequest::CANOPEN_DATATYPE_UINT8 => Some(1),
-        CoReadIdRequest::CANOPEN_DATATYPE_INT16 | CoReadIdRequest::CANOPEN_DATATYPE_UINT16 => Some(2),
-        CoReadIdRequest::CANOPEN_DATATYPE_INT32 | CoReadIdRequest::CANOPEN_DATATYPE_UINT32 => Some(4),
-        _ => None,
-    }
-}
-
-fn is_signed(datatype: u8) -> bool {
-    (CoReadIdRequest::CANOPEN_DATATYPE_INT8..=CoReadIdRequest::CANOPEN_DATATYPE_INT32).contains(&datatype)
-}
-
-fn low_bytes(value: u32, bytes: Option<usize>) -> u32 {
-    match bytes {
-        Some(bytes @ 1..=3) if value >> (8 * bytes - 1) == u32::MAX >> (8 * bytes - 1) => {
-            value & ((1 << (8 * bytes)) - 1)
-        }
-        _ => value,
-    }
-}
-
-/// A value that has been read, as a number.
-fn number(bytes: &[u8]) -> Option<u32> {
-    let mut all = [0; 4];
-    all.get_mut(..bytes.len())?.copy_from_slice(bytes);
-    Some(u32::from_le_bytes(all))
-}
-
 impl Answerer {
     fn send(self, answer: &Answer) {
         let success = answer.is_ok();
@@ -173,25 +144,5 @@ impl Devices {
             }
             answerer.send(&answer);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_as_long_as_their_type() {
-        assert_eq!(number(&[0x34, 0x12]), Some(0x1234));
-        assert_eq!(number(&[]), Some(0));
-        assert_eq!(number(&[0; 5]), None);
-        assert_eq!((bytes_of(2), bytes_of(6), bytes_of(7), bytes_of(8)), (Some(1), Some(2), Some(4), None));
-        // −1 as one byte, whether its sign was extended or not; 300 stays too large for one.
-        assert_eq!(low_bytes(u32::MAX, Some(1)), 0xFF);
-        assert_eq!(low_bytes(0xFF, Some(1)), 0xFF);
-        assert_eq!(low_bytes(0xFFFF_8000, Some(2)), 0x8000);
-        assert_eq!(low_bytes(0xFFFF_0000, Some(2)), 0xFFFF_0000, "not a negative number of two bytes");
-        assert_eq!(low_bytes(300, Some(1)), 300);
-        assert_eq!(low_bytes(u32::MAX, Some(4)), u32::MAX);
     }
 }

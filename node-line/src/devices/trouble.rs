@@ -62,7 +62,7 @@ impl DeviceDiagnosticsTopic {
 
 /// Devices that have not been operational in this life of their manager: what it has not received yet is the consequence of
 /// its start, not the cause of what has stopped.
-fn since_start(manager: &str, was_valid: bool, text: String) -> String {
+pub fn since_start(manager: &str, was_valid: bool, text: String) -> String {
     if was_valid || text.is_empty() {
         return text;
     }
@@ -95,31 +95,4 @@ fn joined(sentences: impl Iterator<Item = String>) -> String {
         }
     }
     cut(if more == 0 { text } else { format!("{text}; and {more} more") }, TROUBLE_BYTES_MAX)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_was_not_received_since_the_start_is_told_from_a_loss() {
-        let never = || "io: never heard".to_owned();
-        assert_eq!(since_start("coordinator", false, never()), "coordinator was started, since then io: never heard");
-        assert_eq!(since_start("coordinator", true, never()), "io: never heard");
-        assert_eq!(since_start("coordinator", false, String::new()), "");
-        assert_eq!(since_start("coordinator", false, "x".repeat(TROUBLE_BYTES_MAX)).len(), TROUBLE_BYTES_MAX);
-    }
-
-    #[test]
-    fn of_many_devices_the_first_are_named_and_the_rest_counted() {
-        let of = |number: usize| joined((0..number).map(|at| format!("device {at:03} is not heard")));
-        assert_eq!(of(0), "");
-        assert_eq!(of(2), "device 000 is not heard; device 001 is not heard");
-        let many = of(200);
-        assert!(many.len() <= TROUBLE_BYTES_MAX && many.ends_with(" more"), "{many}");
-        let named = many.matches("device ").count();
-        assert!(many.ends_with(&format!("; and {} more", 200 - named)), "{many}");
-        let long = joined(["x".repeat(9000), "y".to_owned()].into_iter());
-        assert!(long.len() <= TROUBLE_BYTES_MAX && long.ends_with('…'), "{long}");
-    }
 }

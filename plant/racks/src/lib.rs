@@ -21,8 +21,7 @@ use linewright_line::{Device, DeviceBus as BusName, Line, Tick};
 use linewright_plant::{PlantOptions, PositionsWatch, Rack};
 use tokio::task::JoinSet;
 
-use kept::Keeper;
-pub use kept::{KEPT_IN, KeptPositions, kept_positions};
+pub use kept::{KEPT_IN, Keeper, KeeperThread, KeptPositions, kept_positions};
 use modbus::{Asked, Servers, cannot_serve};
 pub use modbus::{Served, are_served, can_be_served, fail_device, served_at};
 use texts::PlantNews;

@@ -16,7 +16,7 @@ use linewright_testkit::presses::*;
 const LINE_BUS: &str = "vcan-line";
 const WAIT: Duration = Duration::from_secs(20);
 
-struct Bench {
+struct RackBench {
     _dir: tempfile::TempDir,
     bus: bus::BusOptions,
     line: Line,
@@ -24,7 +24,7 @@ struct Bench {
     plant: tokio::task::JoinHandle<()>,
 }
 
-impl Bench {
+impl RackBench {
     fn new() -> Self {
         let dir = tempfile::tempdir().unwrap();
         let bus = bus::BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
@@ -32,7 +32,7 @@ impl Bench {
         let plant = PlantOptions::default();
         let options = RackOptions { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant, clock, run: None };
         let plant = tokio::spawn(async move { run_plant(&line(), &options, None, pending()).await.unwrap() });
-        Bench { _dir: dir, bus, line: line(), clock, plant }
+        RackBench { _dir: dir, bus, line: line(), clock, plant }
     }
 
     fn driver(&self, on: BusName, interface: &str) -> Driver {
@@ -62,7 +62,7 @@ fn valid(bits: u128) -> impl Fn(InputImage) -> bool {
 
 #[tokio::test]
 async fn a_manager_drives_a_motion_and_sees_the_limit_switch() {
-    let bench = Bench::new();
+    let bench = RackBench::new();
     // Both buses at once: the coordinator's, with the first press and the console, and the second press's own.
     let mut line = bench.driver(BusName::Line, LINE_BUS);
     let mut own = bench.driver(BusName::Own("press2".to_owned()), "press2");
@@ -83,7 +83,7 @@ async fn a_manager_drives_a_motion_and_sees_the_limit_switch() {
 
 #[tokio::test]
 async fn a_lost_device_is_noticed_and_comes_back_with_its_outputs_off() {
-    let bench = Bench::new();
+    let bench = RackBench::new();
     let owner = Owner::Station(PRESS);
     let mut driver = bench.driver(BusName::Line, LINE_BUS);
     until(&mut driver, owner, valid(BACK)).await;

@@ -8,8 +8,8 @@ use linewright_fieldbus::bus::{self, Transport};
 use linewright_fieldbus::{Bus, Clock, Driver};
 use linewright_fieldbus_seam::InputImage;
 use linewright_line::{DeviceBus as BusName, Owner, Tick};
-use linewright_plant::PlantOptions;
-use linewright_racks::{KEPT_IN, KeptPositions, RackOptions, kept_positions, run_plant};
+use linewright_plant::{PlantOptions, RackPositions};
+use linewright_racks::{KEPT_IN, Keeper, KeptPositions, RackOptions, kept_positions, run_plant};
 use linewright_testkit::presses::*;
 use tokio::sync::oneshot;
 
@@ -75,8 +75,11 @@ async fn a_plant_that_is_stopped_half_way_goes_on_from_there() {
     assert_eq!(ram(kept.path()), half_way);
     press(buses.path(), kept.path(), FORWARD, FRONT).await;
     assert_eq!(ram(kept.path()), 80.0);
-    // Damaged, of another form, of another line: at home, and begun anew; what could not be used is kept.
-    for (nth, (text, why)) in (1..).zip([
+    // Damaged, of another form, of another line: at home, and begun anew; what could not be used is kept. Of more than five the
+    // last is replaced.
+    let aside = |nth: usize| kept.path().join(format!("{KEPT_IN}.unusable-{nth}"));
+    (2..=4).for_each(|nth| std::fs::write(aside(nth), "earlier").unwrap());
+    for (nth, (text, why)) in [1, 5, 5].into_iter().zip([
         ("{\"version\":1,", "EOF"),
         ("{\"version\":9,\"line\":\"presses\"}", "it has form 9, this program reads form 1"),
         ("{\"version\":1,\"line\":\"other\",\"buses\":{}}", "they are those of line `other`"),
@@ -87,9 +90,30 @@ async fn a_plant_that_is_stopped_half_way_goes_on_from_there() {
         assert!(refused.contains(why) && refused.contains("begins at home"), "{refused}");
         press(buses.path(), kept.path(), 0, BACK).await;
         assert_eq!(ram(kept.path()), 0.0);
-        let aside = kept.path().join(format!("{KEPT_IN}.unusable-{nth}"));
-        assert_eq!(std::fs::read_to_string(aside).unwrap(), text);
+        assert_eq!(std::fs::read_to_string(aside(nth)).unwrap(), text);
     }
+    (2..=4).for_each(|nth| assert_eq!(std::fs::read_to_string(aside(nth)).unwrap(), "earlier"));
+    assert!(!aside(6).exists());
+}
+
+#[test]
+fn nothing_is_written_before_every_bus_has_its_positions() {
+    let dir = tempfile::tempdir().unwrap();
+    let line = line();
+    let mut buses: Vec<String> = line.devices.iter().map(|device| device.bus.to_string()).collect();
+    buses.sort();
+    buses.dedup();
+    assert_eq!(buses.len(), 2);
+    let (keeper, writer) = Keeper::begin(dir.path(), &line);
+    keeper.keep(&buses[0], RackPositions::default());
+    std::thread::sleep(Duration::from_millis(400));
+    assert!(!dir.path().join(KEPT_IN).exists());
+    keeper.keep(&buses[1], RackPositions::default());
+    drop(keeper);
+    writer.end();
+    let text = std::fs::read(dir.path().join(KEPT_IN)).expect("it is written");
+    let file: serde_json::Value = serde_json::from_slice(&text).expect("it is whole");
+    assert!(file["buses"].as_object().expect("by name").keys().eq(&buses));
 }
 
 #[tokio::test(flavor = "multi_thread")]

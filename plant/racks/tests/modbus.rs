@@ -50,7 +50,7 @@ fn free_port() -> u16 {
     socket.local_addr().unwrap().port()
 }
 
-struct Bench {
+struct RackServerBench {
     _dir: tempfile::TempDir,
     clock: Clock,
     port: u16,
@@ -58,7 +58,7 @@ struct Bench {
     plant: tokio::task::JoinHandle<()>,
 }
 
-impl Bench {
+impl RackServerBench {
     fn new(registers: bool) -> Self {
         Self::open(registers, free_port(), None)
     }
@@ -75,7 +75,7 @@ impl Bench {
         let line = line_on(port, registers);
         let devices = line.devices.clone();
         let plant = tokio::spawn(async move { run_plant(&line, &options, None, pending()).await.unwrap() });
-        Bench { _dir: dir, clock, port, devices, plant }
+        RackServerBench { _dir: dir, clock, port, devices, plant }
     }
 
     fn manager(&self) -> ModbusTcp {
@@ -110,7 +110,7 @@ fn valid(bits: u128) -> impl Fn(InputImage) -> bool {
 #[tokio::test]
 async fn a_motion_is_driven_in_coils_and_in_registers() {
     for registers in [false, true] {
-        let bench = Bench::new(registers);
+        let bench = RackServerBench::new(registers);
         let mut bus = bench.manager();
         until(&mut bus, valid(BACK)).await;
         let start = bench.clock.now();
@@ -125,7 +125,7 @@ async fn a_motion_is_driven_in_coils_and_in_registers() {
 }
 
 /// A manager that drives the output, as the device's own coils show.
-async fn with_output_on(bench: &Bench, client: &mut Context) -> ModbusTcp {
+async fn with_output_on(bench: &RackServerBench, client: &mut Context) -> ModbusTcp {
     let mut bus = bench.manager();
     until(&mut bus, valid(BACK)).await;
     bus.set_outputs(OWNER, RETURN);
@@ -140,7 +140,7 @@ async fn with_output_on(bench: &Bench, client: &mut Context) -> ModbusTcp {
 
 #[tokio::test]
 async fn outputs_go_off_by_the_watchdog_when_the_manager_is_gone_and_at_once_at_its_end() {
-    let bench = Bench::new(false);
+    let bench = RackServerBench::new(false);
     let mut client = bench.client().await;
     let bus = with_output_on(&bench, &mut client).await;
     // Its connection closes without a word.
@@ -158,7 +158,7 @@ async fn outputs_go_off_by_the_watchdog_when_the_manager_is_gone_and_at_once_at_
 
 #[tokio::test]
 async fn a_simulated_device_has_the_registers_of_its_description_and_no_others() {
-    let bench = Bench::new(true);
+    let bench = RackServerBench::new(true);
     let mut client = bench.client().await;
     assert_eq!(client.read_holding_registers(0, 1).await.unwrap(), Ok(vec![0x401]));
     assert_eq!(client.read_input_registers(8, 1).await.unwrap(), Ok(vec![BACK as u16]));
@@ -172,7 +172,7 @@ async fn a_simulated_device_has_the_registers_of_its_description_and_no_others()
 /// In the objects of a simulated CANopen device: inputs held by 5F01h, the device unplugged by 5F00h:00, all cleared by its 0.
 #[tokio::test]
 async fn an_input_is_stuck_and_a_device_unplugged_until_it_is_cleared() {
-    let bench = Bench::new(false);
+    let bench = RackServerBench::new(false);
     let mut client = bench.client().await;
     let address = format!("127.0.0.1:{}", bench.port);
     let name = line_on(bench.port, false).devices[0].name.clone();
@@ -224,7 +224,7 @@ async fn other_device() -> (String, std::sync::Arc<std::sync::Mutex<Vec<Vec<u8>>
 
 #[tokio::test]
 async fn a_simulated_device_is_distinguished_by_its_identification() {
-    let bench = Bench::new(false);
+    let bench = RackServerBench::new(false);
     drop(bench.client().await);
     let address = format!("127.0.0.1:{}", bench.port);
     let alone = Served::Simulated { run: None };
@@ -247,7 +247,7 @@ async fn a_plant_names_its_run_and_no_other_serves_its_addresses() {
     let (line, address) = (line_on(port, false), format!("127.0.0.1:{port}"));
     can_be_served(&line).await.expect("nothing is there yet");
     assert!(!are_served(&line, &own).await);
-    let bench = Bench::of_run(port, Some(own.clone()));
+    let bench = RackServerBench::of_run(port, Some(own.clone()));
     drop(bench.client().await);
     assert!(are_served(&line, &own).await, "its name is cut");
     assert!(!are_served(&line, "line /presses in ROS domain 4").await);
@@ -291,7 +291,7 @@ async fn a_foreign_client_reads_and_writes_the_simulated_device() {
         println!("SKIPPED: the Python named by LINEWRIGHT_PYTHON has no pymodbus (pip install pymodbus)");
         return;
     }
-    let bench = Bench::new(false);
+    let bench = RackServerBench::new(false);
     drop(bench.client().await);
     let port = bench.port.to_string();
     let client = tokio::task::spawn_blocking(move || Command::new(python).args(["-c", CLIENT, &port]).output());

@@ -233,25 +233,3 @@ fn slot((number, device): (usize, &Device)) -> ImageSlot {
         is_noticed: false,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use linewright_line::{TransferLine, parse};
-
-    use super::*;
-
-    #[test]
-    fn a_loss_is_noticed_though_its_owner_acts_at_the_same_moment() {
-        let text = TransferLine { machines: 1, time_scale: 1.0 }.text();
-        let line = parse("line.toml", &text).expect("it is sound").line;
-        let mut field = Images::new(&line, PlantOptions::default());
-        let device = line.devices.iter().position(|d| d.owner == Owner::Station(StationId(0))).expect("it has one");
-        field.unplug(Tick::ZERO, device, true);
-        let noticed = Tick::ZERO + line.timing.heartbeat_timeout;
-        assert_eq!(field.deadline(0), noticed);
-        field.ask(noticed, 0, 1);
-        assert_eq!((field.deadline(0), field.image(0).1), (noticed, true));
-        field.poll(noticed, 0);
-        assert_eq!((field.deadline(0), field.image(0).1), (Tick::NEVER, false));
-    }
-}

@@ -11,4 +11,6 @@ mod orders;
 mod topics;
 mod waiting;
 
+pub use device_texts::DeviceTexts;
+pub use journal::{RecordError, from_record, to_record};
 pub use node::{StationNodeError, StationOptions, run};

@@ -253,26 +253,3 @@ const fn end_of(outcome: TaskOutcome) -> (u8, u16) {
         TaskOutcome::Failed(failure) => (RunTaskResult::END_FAILED, failure.code()),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn refusals_have_the_codes_that_messages_give_them() {
-        let codes = [
-            RunTaskResult::REFUSED_BUSY,
-            RunTaskResult::REFUSED_MODE,
-            RunTaskResult::REFUSED_OTHER_MEMORY,
-            RunTaskResult::REFUSED_OLD_EPOCH,
-            RunTaskResult::REFUSED_OLD,
-            RunTaskResult::REFUSED_LATE,
-            RunTaskResult::REFUSED_NOT_THERE,
-            RunTaskResult::REFUSED_DEVICES,
-            RunTaskResult::REFUSED_UNKNOWN,
-            RunTaskResult::REFUSED_INCOMPLETE,
-            RunTaskResult::REFUSED_ISOLATED,
-        ];
-        assert_eq!(TaskRefusal::ALL.map(TaskRefusal::code), codes);
-    }
-}

@@ -3,6 +3,8 @@
 mod contest;
 mod estop;
 mod gap;
+mod newest;
 mod numbered;
 mod order_of_effects;
 mod rig;
+mod rivals;

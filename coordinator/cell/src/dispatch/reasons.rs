@@ -17,22 +17,9 @@ pub struct Reasons {
 impl Reasons {
     /// Takes a record; the older ones first.
     pub fn note(&mut self, record: &Record) {
-        match &record.fact {
-            RecordKind::Decided { question: _, started, held } => {
-                started.iter().for_each(|(mode, _)| _ = self.last.remove(mode));
-                self.last.extend(held.iter().map(|&(mode, reason)| (mode, (record.at, reason))));
-            }
-            RecordKind::Epoch { .. }
-            | RecordKind::Memory { .. }
-            | RecordKind::Started { .. }
-            | RecordKind::Acknowledged { .. }
-            | RecordKind::OrderEnded { .. }
-            | RecordKind::OrderFailed { .. }
-            | RecordKind::Raised { .. }
-            | RecordKind::Production { .. }
-            | RecordKind::Ended { .. }
-            | RecordKind::Fired { .. }
-            | RecordKind::Exception(_) => (),
+        if let RecordKind::Decided { question: _, started, held } = &record.fact {
+            started.iter().for_each(|(mode, _)| _ = self.last.remove(mode));
+            self.last.extend(held.iter().map(|&(mode, reason)| (mode, (record.at, reason))));
         }
     }
 

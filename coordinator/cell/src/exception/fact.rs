@@ -94,6 +94,25 @@ pub enum ExceptionStep {
     },
 }
 
+impl ExceptionStep {
+    /// Whether it changes places of tokens and parts, or which resources are there: reports and schedules follow these steps.
+    pub(in super::super) fn changes_the_cell(&self) -> bool {
+        match self {
+            ExceptionStep::Closed { .. }
+            | ExceptionStep::Missing { .. }
+            | ExceptionStep::Down { .. }
+            | ExceptionStep::Up { .. } => true,
+            ExceptionStep::Secured { .. }
+            | ExceptionStep::Alarmed { .. }
+            | ExceptionStep::Answered { .. }
+            | ExceptionStep::Carried { .. }
+            | ExceptionStep::Mismatch { .. }
+            | ExceptionStep::Stopped { .. }
+            | ExceptionStep::Reset { .. } => false,
+        }
+    }
+}
+
 /// Subject of an alarm or a difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]

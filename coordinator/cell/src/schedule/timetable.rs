@@ -51,18 +51,8 @@ impl RevisionReason {
             RecordKind::Raised { firing, cause: _ } => Some(RevisionReason::Failed(*firing)),
             RecordKind::Production { change: _ } => Some(RevisionReason::Orders),
             RecordKind::Exception(ExceptionStep::Down { resource, .. }) => Some(RevisionReason::Down(*resource)),
-            RecordKind::Exception(
-                ExceptionStep::Up { .. } | ExceptionStep::Closed { .. } | ExceptionStep::Missing { .. },
-            ) => Some(RevisionReason::Restored),
-            RecordKind::Exception(
-                ExceptionStep::Secured { .. }
-                | ExceptionStep::Alarmed { .. }
-                | ExceptionStep::Answered { .. }
-                | ExceptionStep::Carried { .. }
-                | ExceptionStep::Mismatch { .. }
-                | ExceptionStep::Stopped { .. }
-                | ExceptionStep::Reset { .. },
-            )
+            RecordKind::Exception(step) if step.changes_the_cell() => Some(RevisionReason::Restored),
+            RecordKind::Exception(_)
             | RecordKind::Epoch { .. }
             | RecordKind::Memory { .. }
             | RecordKind::Decided { .. }

@@ -314,13 +314,7 @@ impl Tracking {
             ExceptionStep::Up { resource, unchecked: _ } => {
                 self.resources.get_mut(resource.index()).into_iter().for_each(|tally| tally.out = None);
             }
-            ExceptionStep::Secured { .. }
-            | ExceptionStep::Alarmed { .. }
-            | ExceptionStep::Answered { .. }
-            | ExceptionStep::Carried { .. }
-            | ExceptionStep::Mismatch { .. }
-            | ExceptionStep::Stopped { .. }
-            | ExceptionStep::Reset { .. } => (),
+            step => debug_assert!(!step.changes_the_cell(), "{step:?}"),
         }
     }
 

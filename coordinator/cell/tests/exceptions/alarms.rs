@@ -7,11 +7,11 @@ use linewright_coordinator_cell::{
 };
 use linewright_orders::TaskFailure;
 
-use super::bench::{Bench, workcell};
+use super::bench::{CellBench, workcell};
 
 #[test]
 fn a_person_can_give_alarm_of_a_machine() {
-    let mut bench = Bench::c1(&[1, 1]);
+    let mut bench = CellBench::c1(&[1, 1]);
     bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
     let m1 = bench.resource("M1");
     bench.say(PlayerInput::Alarm { resource: m1, text: "smoke" });
@@ -49,7 +49,7 @@ fn a_person_can_give_alarm_of_a_machine() {
 #[test]
 fn an_alarm_stops_what_goes_back_from_another_failure() {
     for crash in [false, true] {
-        let mut bench = Bench::c1(&[1, 0]);
+        let mut bench = CellBench::c1(&[1, 0]);
         bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
         bench.at("m1").is_stuck = true;
         bench.until_that(|bench| bench.steps().is_empty() && bench.firing("M1.process<A.new>").is_some_and(has_failed));
@@ -79,7 +79,7 @@ fn has_failed(firing: &OngoingActivity) -> bool {
 /// beginning.
 #[test]
 fn alarm_can_be_given_of_what_is_left_out() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     let m1 = bench.resource("M1");
     bench.say(PlayerInput::Resource { resource: m1, up: false });
     let since = bench.state().exceptions().is_down(m1).expect("it is").since;
@@ -94,7 +94,7 @@ fn alarm_can_be_given_of_what_is_left_out() {
 /// That a resource is counted on says nothing of its station, nor of what has failed there.
 #[test]
 fn why_of_a_resource_in_service_names_what_its_station_has_and_what_has_failed() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     let (robot, m3) = (bench.resource("R"), bench.resource("M3"));
     bench.load_fails();
     bench.at("robot").unable = Some(StationUnavailable::Incomplete);
@@ -121,12 +121,12 @@ fn why_of_a_resource_in_service_names_what_its_station_has_and_what_has_failed()
 /// What the alarm asks for can be answered each time: the part is back where it was, also when it is not tried again.
 #[test]
 fn a_word_that_may_not_be_tried_again_decides_anew() {
-    let mut bench = Bench::new(&workcell().replace("retries = 2", "retries = 1\ndown = [\"to\"]"), &[1, 0]);
+    let mut bench = CellBench::new(&workcell().replace("retries = 2", "retries = 1\ndown = [\"to\"]"), &[1, 0]);
     // What is decided anew goes to M1 again.
     let m2 = bench.resource("M2");
     bench.say(PlayerInput::Resource { resource: m2, up: false });
     let first = bench.load_fails();
-    let ruling = |bench: &Bench| {
+    let ruling = |bench: &CellBench| {
         let rulings = bench.sim.coordination.rulings(bench.alarm().id);
         rulings.into_iter().map(|ruling| (ruling.word, ruling.then)).collect::<Vec<_>>()
     };

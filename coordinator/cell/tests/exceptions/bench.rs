@@ -52,13 +52,13 @@ pub fn options(seed: u64) -> CellSimOptions {
 }
 
 /// A cell, played.
-pub struct Bench {
+pub struct CellBench {
     pub table: Arc<CellTable>,
     pub sim: CellSim,
     seen: usize,
 }
 
-impl Bench {
+impl CellBench {
     pub fn new(text: &str, parts: &[u32]) -> Self {
         Self::of(table(text, parts))
     }
@@ -88,7 +88,7 @@ impl Bench {
     fn of((cell, table): (Cell, Arc<CellTable>)) -> Self {
         let mut sim = CellSim::new(table.clone(), cell.controllers.len(), options(1));
         sim.senses = true;
-        Bench { table, sim, seen: 0 }
+        CellBench { table, sim, seen: 0 }
     }
 
     pub fn c1(parts: &[u32]) -> Self {
@@ -127,7 +127,7 @@ impl Bench {
     }
 
     /// Step by step until something holds; for an hour at most.
-    pub fn until_that(&mut self, what: impl Fn(&Bench) -> bool) {
+    pub fn until_that(&mut self, what: impl Fn(&CellBench) -> bool) {
         for _ in 0..36_000 {
             if what(self) {
                 return;

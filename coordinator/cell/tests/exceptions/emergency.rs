@@ -6,16 +6,16 @@ use linewright_coordinator_cell::exception::{
 use linewright_coordinator_cell::{ActivityPhase, PlayerInput, PlayerState, RecordKind};
 use linewright_line::StationId;
 
-use super::bench::{Bench, workcell};
+use super::bench::{CellBench, workcell};
 
 const LOAD: &str = "load M1<A.new>";
 
-fn stopping(which: &str) -> Bench {
+fn stopping(which: &str) -> CellBench {
     let rule = format!("retries = 2\nemergency_stop = [{which}]");
-    Bench::new(&workcell().replacen("retries = 2", &rule, 1), &[1, 0])
+    CellBench::new(&workcell().replacen("retries = 2", &rule, 1), &[1, 0])
 }
 
-impl Bench {
+impl CellBench {
     fn stopped(&self) -> Vec<StationId> {
         self.state().exceptions().stopped().collect()
     }

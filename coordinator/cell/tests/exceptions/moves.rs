@@ -9,14 +9,14 @@ use linewright_coordinator_cell::{
 };
 use linewright_orders::TaskFailure;
 
-use super::bench::{Bench, workcell};
+use super::bench::{CellBench, workcell};
 
 const LOAD: &str = "load M1<A.new>";
 
 /// An order that a fault has ended may be gone back from: until that has ended too, nothing of it has come to rest.
 #[test]
 fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.until_that(|bench| {
         bench.firing(LOAD).is_some_and(|of| of.orders.iter().all(|of| of.state != OrderProgress::Written))
     });
@@ -56,7 +56,7 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
 fn what_a_station_waited_for_is_why_it_failed_whoever_was_first() {
     let text = workcell().replace("code = \"time-out\"", "code = \"22\"");
     for first in [false, true] {
-        let mut bench = Bench::new(&text, &[1, 0]);
+        let mut bench = CellBench::new(&text, &[1, 0]);
         (bench.at("robot").is_stuck, bench.at("m1").is_stuck) = (true, true);
         bench.at("robot").waits_code = Some(22);
         bench.at("robot").fast = if first { Duration::from_secs(1) } else { Duration::ZERO };
@@ -71,7 +71,7 @@ fn what_a_station_waited_for_is_why_it_failed_whoever_was_first() {
 /// Led away by hand it is received, has its devices and no order, and cannot be given one.
 #[test]
 fn a_station_between_two_rests_is_named_by_whoever_waits_for_it() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     for name in ["robot", "m1", "m2", "m3"] {
         bench.at(name).is_held = true;
     }

@@ -12,7 +12,7 @@ use linewright_coordinator_cell::{
     PlayerState, Presence, Record, RecordKind, StationUnavailable,
 };
 
-use super::bench::{Bench, workcell};
+use super::bench::{CellBench, workcell};
 
 const LOAD: &str = "load M1<A.new>";
 const PART: PartId = PartId(1);
@@ -23,7 +23,7 @@ fn answering(others: &str) -> String {
     workcell().replace(ANSWERS, others)
 }
 
-impl Bench {
+impl CellBench {
     /// Robot and machine wait for each other until both have come to rest and an alarm is raised.
     pub fn load_fails(&mut self) -> OngoingActivity {
         self.at("robot").is_stuck = true;
@@ -85,7 +85,7 @@ fn named(list: &[(&str, i64)]) -> Vec<(String, i64)> {
 /// `from`: exactly what the start took. Backward: it is decided anew.
 #[test]
 fn where_it_was_all_is_as_before_and_it_is_decided_anew() {
-    let mut bench = Bench::new(&answering("{ word = \"back\", part = \"from\", then = \"backward\" },"), &[1, 0]);
+    let mut bench = CellBench::new(&answering("{ word = \"back\", part = \"from\", then = \"backward\" },"), &[1, 0]);
     let firing = bench.load_fails();
     bench.answer("back");
     let closed = bench.closed(firing.id);
@@ -98,7 +98,7 @@ fn where_it_was_all_is_as_before_and_it_is_decided_anew() {
 /// `to`: exactly what the end gives.
 #[test]
 fn where_it_was_to_go_all_is_as_if_it_were_done() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     let firing = bench.load_fails();
     bench.sim.truth.put(PART, Some(bench.resource("M1")));
     bench.seconds_later(1.0);
@@ -125,7 +125,7 @@ fn where_it_was_to_go_all_is_as_if_it_were_done() {
 /// `gone`: the part is no more, its place, old or new, has room, and another one comes instead.
 #[test]
 fn where_there_is_no_part_any_more_another_one_comes() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     let firing = bench.load_fails();
     bench.sim.truth.put(PART, None);
     bench.answer("scrap");
@@ -149,7 +149,7 @@ fn where_there_is_no_part_any_more_another_one_comes() {
 /// The same for a part that is worked on.
 #[test]
 fn a_part_that_breaks_while_it_is_worked_on_is_gone() {
-    let mut bench = Bench::c1(&[2, 0]);
+    let mut bench = CellBench::c1(&[2, 0]);
     bench.at("m1").fails_with = None;
     bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
     bench.at("m1").fails_with = Some(7);
@@ -171,7 +171,8 @@ fn a_part_that_breaks_while_it_is_worked_on_is_gone() {
 /// `carrier`: what it was to give is not given, and there is another alarm. Refused unless its gripper has the part.
 #[test]
 fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
-    let mut bench = Bench::new(&answering("{ word = \"in-hand\", part = \"carrier\", then = \"forward\" },"), &[1, 0]);
+    let mut bench =
+        CellBench::new(&answering("{ word = \"in-hand\", part = \"carrier\", then = \"forward\" },"), &[1, 0]);
     bench.at("robot").holds = true;
     let firing = bench.load_fails();
     bench.answer("in-hand");
@@ -209,7 +210,7 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
 /// Alternatives of the plan are what is left while a machine is down.
 #[test]
 fn while_m1_is_down_parts_go_over_m2() {
-    let mut bench = Bench::new(
+    let mut bench = CellBench::new(
         &answering("{ word = \"broken\", part = \"from\", then = \"backward\", down = [\"to\"] },"),
         &[3, 0],
     );
@@ -246,7 +247,7 @@ fn while_m1_is_down_parts_go_over_m2() {
 /// What needs no person is done without, as often as the rule has it.
 #[test]
 fn an_automatic_rule_asks_when_its_retries_are_used_up() {
-    let mut bench = Bench::new(&workcell().replace("retries = 2", "retries = 2\nautomatic = true"), &[1, 0]);
+    let mut bench = CellBench::new(&workcell().replace("retries = 2", "retries = 2\nautomatic = true"), &[1, 0]);
     let firing = bench.load_fails();
     let by: Vec<AnsweredBy> = bench
         .steps()
@@ -259,7 +260,7 @@ fn an_automatic_rule_asks_when_its_retries_are_used_up() {
     );
     assert_eq!(bench.state().exceptions().times(firing.mode, firing.part), 2);
     // An alarm is raised as well where a station is not at rest.
-    let mut bench = Bench::new(&workcell().replace("retries = 2", "retries = 2\nautomatic = true"), &[1, 0]);
+    let mut bench = CellBench::new(&workcell().replace("retries = 2", "retries = 2\nautomatic = true"), &[1, 0]);
     bench.at("robot").holds = true;
     bench.load_fails();
     assert_eq!(bench.alarm().words, ["in-store", "in-machine", "scrap"]);
@@ -268,7 +269,7 @@ fn an_automatic_rule_asks_when_its_retries_are_used_up() {
 /// A lie does not go silently, and changes nothing.
 #[test]
 fn an_answer_that_sensors_contradict_is_asked_about_again() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     let firing = bench.load_fails();
     let before = bench.state().marking().clone();
     let first = bench.alarm().id;
@@ -295,7 +296,7 @@ fn an_answer_that_sensors_contradict_is_asked_about_again() {
 
 #[test]
 fn where_no_sensor_says_anything_it_is_noted_that_nobody_has_looked() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.sim.senses = false;
     for station in &mut bench.sim.stations {
         station.presence = Presence::NoSensor;
@@ -309,7 +310,7 @@ fn where_no_sensor_says_anything_it_is_noted_that_nobody_has_looked() {
 /// A station that is not received is not waited for for ever, and it is out of service when the activity is closed.
 #[test]
 fn a_station_that_is_lost_is_told_of_and_left_out() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.until_that(|bench| bench.firing(LOAD).is_some());
     bench.at("robot").is_away = true;
     bench.at("m1").is_stuck = true;
@@ -343,7 +344,7 @@ fn a_station_that_is_lost_is_told_of_and_left_out() {
 
 #[test]
 fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.until_that(|bench| bench.firing(LOAD).is_some());
     bench.at("robot").forget();
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
@@ -360,7 +361,7 @@ fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
     bench.answer("as-before");
     bench.all_leave(1);
 
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.until_that(|bench| bench.sim.stations[bench.station("robot").index()].doing().is_some());
     bench.at("robot").unable = Some(StationUnavailable::Devices);
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
@@ -383,7 +384,7 @@ fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
 /// Each restart compares model and plant; a difference leaves the resource out until it is put right.
 #[test]
 fn after_a_restart_a_part_too_many_is_found() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
     let (m2, foreign) = (bench.resource("M2"), PartId(99));
     bench.sim.truth.put(foreign, Some(m2));
@@ -424,7 +425,7 @@ fn a_part_that_is_missing_where_it_rested_can_be_given_up() {
     for (activity, idle, stage) in
         [(LOAD, "m1", "M1.loaded<A.new>"), ("M1.process<A.new>", "robot", "M1.unload-ready<A.turn>")]
     {
-        let mut bench = Bench::c1(&[1, 0]);
+        let mut bench = CellBench::c1(&[1, 0]);
         let (part, before) = bench.taken_away(activity, idle, stage);
         let m1 = bench.resource("M1");
         assert_eq!(bench.state().marking().counts(), before, "nothing is changed by a sensor");
@@ -452,7 +453,7 @@ fn a_part_that_is_missing_where_it_rested_can_be_given_up() {
 /// While the sensor sees it, a part is there whatever the answer.
 #[test]
 fn a_part_that_a_sensor_sees_is_not_given_up() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     let (part, _) = bench.taken_away(LOAD, "m1", "M1.loaded<A.new>");
     let m1 = bench.resource("M1");
     bench.sim.truth.put(part, Some(m1));
@@ -467,7 +468,7 @@ fn a_part_that_a_sensor_sees_is_not_given_up() {
 /// A request about what does not exist is refused.
 #[test]
 fn what_there_is_not_cannot_be_answered() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.load_fails();
     let (alarm, m1) = (bench.alarm().id, bench.resource("M1"));
     let none = linewright_coordinator_cell::ResourceId(77);
@@ -490,7 +491,7 @@ fn what_there_is_not_cannot_be_answered() {
 /// Logs of earlier versions have such a text.
 #[test]
 fn a_resource_taken_out_by_hand_with_a_text_is_no_alarm() {
-    let bench = Bench::c1(&[1, 0]);
+    let bench = CellBench::c1(&[1, 0]);
     let (mut state, m1, at) = (bench.state().clone(), bench.resource("M1"), bench.sim.now);
     let why = OutOfServiceReason::ByHand { text: "new tool".to_owned() };
     let fact = RecordKind::Exception(ExceptionStep::Down { resource: m1, why, activity: String::new() });

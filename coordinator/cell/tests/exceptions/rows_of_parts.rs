@@ -3,12 +3,12 @@
 use linewright_coordinator_cell::exception::{ExceptionStep, OutOfServiceReason};
 use linewright_coordinator_cell::{PartId, Presence};
 
-use super::bench::Bench;
+use super::bench::CellBench;
 
 /// A part clamped in a machine without a record is seen before another is loaded upon it.
 #[test]
 fn a_part_that_no_log_knows_of_keeps_its_machine_from_being_loaded() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     let m1 = bench.resource("M1");
     bench.sim.truth.put(PartId(99), Some(m1));
     bench.until_that(|bench| bench.state().left() == 1);
@@ -39,7 +39,7 @@ fn row() -> String {
 
 #[test]
 fn a_part_at_the_end_of_a_row_that_no_log_knows_of_is_found() {
-    let mut bench = Bench::new(&row(), &[1, 0]);
+    let mut bench = CellBench::new(&row(), &[1, 0]);
     let belt = bench.resource("belt");
     bench.sim.truth.put(PartId(99), Some(belt));
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
@@ -56,7 +56,7 @@ fn a_part_at_the_end_of_a_row_that_no_log_knows_of_is_found() {
 #[test]
 fn the_end_of_a_row_is_compared_only_where_it_is_known() {
     for (parts, seen, differs) in [(3, true, false), (3, false, false), (1, false, false), (1, true, true)] {
-        let mut bench = Bench::new(&row(), &[parts, 0]);
+        let mut bench = CellBench::new(&row(), &[parts, 0]);
         bench.at("belt").is_stuck = true;
         bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
         let fetched = bench.firing("fetch<A.new>").expect("it has failed").clone();

@@ -7,7 +7,7 @@ use linewright_coordinator_cell::exception::{
 use linewright_coordinator_cell::{PartId, PlayerInput, Presence, StationUnavailable};
 use linewright_line::RestId;
 
-use super::bench::{Bench, workcell};
+use super::bench::{CellBench, workcell};
 
 const OPEN: RestId = RestId(0);
 const CLAMPED: RestId = RestId(1);
@@ -16,7 +16,7 @@ const LOAD: &str = "load M1<A.new>";
 /// A part is taken out of M1 by hand while the clamp is closed on it: the model has room there, and nothing would open the clamp.
 #[test]
 fn a_machine_that_rests_clamped_without_a_part_is_not_used_before_it_is_open() {
-    let mut bench = Bench::c1_of_its_line(&[1, 0]);
+    let mut bench = CellBench::c1_of_its_line(&[1, 0]);
     bench.at("m1").rest = Some(CLAMPED);
     let (part, _) = bench.taken_away(LOAD, "m1", "M1.loaded<A.new>");
     let m1 = bench.resource("M1");
@@ -80,7 +80,7 @@ fn an_alarm_names_a_way_that_does_not_wait_for_the_missing_part() {
         (&one_way, "in hand mode hold PB_unload_1 (task \"release\", which waits for inputs) (to"),
     ];
     for (change, way) in changes {
-        let mut bench = Bench::c1_of_line(change, &[1, 0]);
+        let mut bench = CellBench::c1_of_line(change, &[1, 0]);
         let firing = bench.load_fails();
         bench.at("m1").rest = Some(CLAMPED);
         bench.hear();
@@ -94,7 +94,7 @@ fn an_alarm_names_a_way_that_does_not_wait_for_the_missing_part() {
 #[test]
 fn an_answer_that_leaves_a_station_at_the_wrong_rest_is_followed_by_an_alarm() {
     for (word, crash) in [("in-store", false), ("scrap", false), ("in-store", true)] {
-        let mut bench = Bench::c1_of_its_line(&[1, 0]);
+        let mut bench = CellBench::c1_of_its_line(&[1, 0]);
         let firing = bench.load_fails();
         bench.at("m1").rest = Some(CLAMPED);
         bench.hear();
@@ -125,7 +125,7 @@ fn an_answer_that_leaves_a_station_at_the_wrong_rest_is_followed_by_an_alarm() {
 /// At the rest that the model has nothing is asked: with a part at the one where it is worked on.
 #[test]
 fn a_station_at_the_rest_of_the_model_is_left_in_service() {
-    let mut bench = Bench::c1_of_its_line(&[1, 0]);
+    let mut bench = CellBench::c1_of_its_line(&[1, 0]);
     let firing = bench.load_fails();
     bench.sim.truth.put(PartId(1), Some(bench.resource("M1")));
     bench.at("m1").rest = Some(CLAMPED);
@@ -138,7 +138,7 @@ fn a_station_at_the_rest_of_the_model_is_left_in_service() {
 /// Whoever leads a station on from between two rests may lead the part with it: until then every answer but `carrier` is a guess.
 #[test]
 fn no_answer_closes_an_activity_whose_station_stands_half_way() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.at("robot").holds = true;
     let firing = bench.load_fails();
     let text = bench.alarm().text.clone();
@@ -165,7 +165,7 @@ fn no_answer_closes_an_activity_whose_station_stands_half_way() {
 /// In manual mode a station stands at its rests as in auto. Nothing is ordered of it before that ends.
 #[test]
 fn an_answer_in_manual_leaves_no_station_out() {
-    let mut bench = Bench::c1_of_its_line(&[1, 0]);
+    let mut bench = CellBench::c1_of_its_line(&[1, 0]);
     let firing = bench.load_fails();
     let all = ["robot", "m1", "m2", "m3"];
     all.into_iter().for_each(|name| bench.at(name).unable = Some(StationUnavailable::ByHand));
@@ -181,7 +181,7 @@ fn an_answer_in_manual_leaves_no_station_out() {
 /// What a sensor says against an answer is put right with the station at a rest; until then that is what has to be done.
 #[test]
 fn a_station_half_way_is_named_before_what_a_sensor_contradicts() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.at("robot").holds = true;
     bench.load_fails();
     bench.sim.truth.put(PartId(1), Some(bench.resource("R")));
@@ -195,7 +195,7 @@ fn a_station_half_way_is_named_before_what_a_sensor_contradicts() {
 /// A code may be that of several tasks: the inputs are those of the one that was ordered. The other order's failure is told as well.
 #[test]
 fn an_alarm_names_the_inputs_that_were_waited_for() {
-    let mut bench = Bench::c1_of_its_line(&[1, 0]);
+    let mut bench = CellBench::c1_of_its_line(&[1, 0]);
     bench.at("robot").fails_with = Some(22);
     bench.at("m1").is_stuck = true;
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
@@ -206,7 +206,7 @@ fn an_alarm_names_the_inputs_that_were_waited_for() {
 /// No time was over at a station that is told to leave since another one has failed: nothing is wrong with its sensor.
 #[test]
 fn an_order_left_while_it_waited_is_not_called_late() {
-    let mut bench = Bench::c1_of_its_line(&[1, 0]);
+    let mut bench = CellBench::c1_of_its_line(&[1, 0]);
     bench.at("robot").fails_with = Some(22);
     bench.at("m1").is_stuck = true;
     bench.at("m1").waits_code = Some(12);
@@ -218,7 +218,7 @@ fn an_order_left_while_it_waited_is_not_called_late() {
 
 #[test]
 fn a_station_stands_for_its_only_resource() {
-    let bench = Bench::c1(&[1, 0]);
+    let bench = CellBench::c1(&[1, 0]);
     let handling = bench.table.handling();
     let (m1, r) = (bench.resource("M1"), bench.resource("R"));
     let named = ["M1", "m1", "robot"].map(|name| handling.resource_or_station_named(name));
@@ -235,7 +235,7 @@ fn a_station_stands_for_its_only_resource() {
 /// service; then all that the activity has used is left out.
 #[test]
 fn no_answer_closes_an_activity_whose_station_is_not_heard() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.at("robot").holds = true;
     let firing = bench.load_fails();
     bench.at("robot").is_away = true;
@@ -274,7 +274,7 @@ fn no_answer_closes_an_activity_whose_station_is_not_heard() {
 /// A station that dies when its activity was answered already is not heard when that is closed.
 #[test]
 fn a_station_that_dies_after_the_answer_leaves_all_out_as_well() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     let firing = bench.load_fails();
     bench.answer("in-store");
     bench.at("robot").is_away = true;
@@ -288,7 +288,7 @@ fn a_station_that_dies_after_the_answer_leaves_all_out_as_well() {
 fn nothing_starts_at_a_machine_whose_sensor_was_not_read_yet() {
     let order = "  { station = \"m1\", task = \"clamp\", max_s = 26 },\n";
     assert!(workcell().contains(order));
-    let mut bench = Bench::new(&workcell().replacen(order, "", 1), &[1, 0]);
+    let mut bench = CellBench::new(&workcell().replacen(order, "", 1), &[1, 0]);
     bench.sim.senses = false;
     for name in ["robot", "m1", "m2", "m3"] {
         bench.at(name).presence = if name == "m1" { Presence::Unread } else { Presence::Off };
@@ -317,7 +317,7 @@ fn nothing_starts_at_a_machine_whose_sensor_was_not_read_yet() {
 /// An answer that the part is somewhere else is refused while the gripper, at a rest, has one.
 #[test]
 fn a_part_in_the_hand_is_not_in_store() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     bench.load_fails();
     let (robot, alarm) = (bench.resource("R"), bench.alarm().id);
     bench.sim.truth.put(PartId(1), Some(robot));

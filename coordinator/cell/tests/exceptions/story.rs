@@ -8,14 +8,14 @@ use linewright_coordinator_cell::{
 };
 use linewright_line::Tick;
 
-use super::bench::Bench;
+use super::bench::CellBench;
 
 const LOAD: &str = "load M1<A.new>";
 const P1_01: PartId = PartId(1);
 
 #[test]
 fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
-    let mut bench = Bench::c1(&[1, 0]);
+    let mut bench = CellBench::c1(&[1, 0]);
     // "the robot grasping operation fails and the approach to M1 is made with no part. Both controllers, from machine and
     // robot, reach a deadlock" (L229): neither ends.
     bench.at("robot").is_stuck = true;
@@ -26,7 +26,7 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     bench.until_that(|bench| bench.firing(LOAD).is_some());
     let firing = bench.firing(LOAD).unwrap().clone();
     let tokens =
-        |bench: &Bench| ["R.free", "M1.available-capacity", "ST.stored-parts<A.new>"].map(|name| bench.count(name));
+        |bench: &CellBench| ["R.free", "M1.available-capacity", "ST.stored-parts<A.new>"].map(|name| bench.count(name));
     assert_eq!((firing.part, tokens(&bench)), (Some(P1_01), [0, 0, 0]));
     let told: Vec<_> = firing.orders.iter().map(|order| order.station).collect();
     assert_eq!(told, [bench.station("robot"), bench.station("m1")]);
@@ -107,7 +107,7 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     assert!(bench.sim.now < Tick::from_millis(3_600_000));
 }
 
-impl Bench {
+impl CellBench {
     fn at_rest(&self, names: &[&str]) -> bool {
         names.iter().all(|name| {
             let station = &self.sim.stations[self.station(name).index()];
@@ -125,7 +125,7 @@ impl Bench {
 /// The normal course (L214, L218, L226): nothing of all this.
 #[test]
 fn without_a_fault_nobody_is_told_anything() {
-    let mut bench = Bench::c1(&[3, 3]);
+    let mut bench = CellBench::c1(&[3, 3]);
     bench.until(7200.0);
     assert_eq!((bench.state().left(), bench.steps().len()), (6, 0));
     let orders = bench.sim.stations.iter().flat_map(|station| &station.ended);

@@ -6,7 +6,7 @@ use std::time::Duration;
 use linewright_coordinator_cell::compile::{dispatcher, sheet};
 use linewright_coordinator_cell::exception::{ExceptionStep, OutOfServiceReason};
 use linewright_coordinator_cell::production::{DispatchConfiguration, Production};
-use linewright_coordinator_cell::tracking::{CellSummary, ResourceEntry, Tracking};
+use linewright_coordinator_cell::tracking::{CellSummary, ResourceEntry, Spread, Tracking};
 use linewright_coordinator_cell::{FiringId, ModeId, PartId, Record, RecordKind};
 use linewright_line::Tick;
 
@@ -306,4 +306,21 @@ fn lateness_is_that_of_the_last_part() {
         assert_eq!(report.orders.late.most, late.iter().max().copied().unwrap_or_default());
         assert!(report.to_string().contains("orders: 3 done, 0 open;"), "{report}");
     }
+}
+
+/// The usual example of the nearest-rank method: of 15, 20, 35, 40, 50 the 5th, 30th, 40th, 50th and 100th percentile
+/// are 15, 20, 20, 35 and 50.
+#[test]
+fn percentiles_are_the_nearest_rank() {
+    let seconds = |all: &[u64]| all.iter().map(|&s| Duration::from_secs(s)).collect::<Vec<_>>();
+    let spread = Spread::of(seconds(&[40, 15, 50, 20, 35]));
+    assert_eq!((spread.least, spread.median, spread.most), (seconds(&[15])[0], seconds(&[35])[0], seconds(&[50])[0]));
+    assert_eq!((spread.p90, spread.p99, spread.total), (seconds(&[50])[0], seconds(&[50])[0], seconds(&[160])[0]));
+    let hundred: Vec<u64> = (1..=100).rev().collect();
+    let spread = Spread::of(seconds(&hundred));
+    let [median, p90, p99] = [spread.median, spread.p90, spread.p99].map(|time| time.as_secs());
+    assert_eq!((median, p90, p99, spread.count), (50, 90, 99, 100));
+    assert_eq!(Spread::of(Vec::new()), Spread::default());
+    let one = Spread::of(seconds(&[7]));
+    assert_eq!((one.least, one.median, one.p99), (one.most, one.most, one.most));
 }

@@ -15,7 +15,7 @@ const ROBOT: StationId = StationId(0);
 const MACHINE: StationId = StationId(1);
 
 /// A cell whose robot and machine have just been ordered to load a part 1, by hand from here on.
-struct Bench {
+struct PlayerBench {
     it: Compiled,
     player: Coordination,
     out: PlayerOutbox,
@@ -27,11 +27,11 @@ fn key(id: u64) -> OrderKey {
     OrderKey { epoch: 1, id }
 }
 
-impl Bench {
+impl PlayerBench {
     fn new() -> Self {
         let (it, mut out) = (merged([1, 0, 0]), PlayerOutbox::default());
         let player = Coordination::begin(PlayerState::new(it.table.clone()), Tick::ZERO, 1, &mut out).unwrap();
-        let mut bench = Bench { it, player, log: std::mem::take(&mut out.records), out, now: 0 };
+        let mut bench = PlayerBench { it, player, log: std::mem::take(&mut out.records), out, now: 0 };
         let fresh = TaskReport { memory: 1, ..TaskReport::default() };
         let stations = [ROBOT, MACHINE].map(|station| PlayerInput::Station(station, &fresh));
         bench.at(0, &stations);
@@ -71,7 +71,7 @@ impl Bench {
 
     /// The only activity, which has failed: it holds the part and what it took, and goes on holding them.
     fn assert_failed(&mut self, cause: ActivityFailure) {
-        let held = |bench: &Bench| {
+        let held = |bench: &PlayerBench| {
             let state = bench.player.state();
             let firing = state.firings().next().unwrap();
             assert_eq!((firing.phase, state.firings().len()), (ActivityPhase::Failed(cause), 1));
@@ -101,7 +101,7 @@ fn done(station: StationId, id: u64) -> PlayerInput<'static> {
 
 #[test]
 fn it_ends_when_all_of_its_stations_have_done_their_orders() {
-    let mut bench = Bench::new();
+    let mut bench = PlayerBench::new();
     assert!(bench.player.next_deadline() <= Some(Tick::from_millis(200)));
     bench.at(10, &[running(ROBOT, 1), running(MACHINE, 2)]);
     bench.at(500, &[done(MACHINE, 2)]);
@@ -116,7 +116,7 @@ fn it_ends_when_all_of_its_stations_have_done_their_orders() {
 
 #[test]
 fn an_unanswered_order_is_repeated_with_its_key_and_what_is_left_of_its_time() {
-    let mut bench = Bench::new();
+    let mut bench = PlayerBench::new();
     assert_eq!(bench.player.sending(key(1)), Some(Sending::Sent { tries: 1, at: Tick::ZERO }));
     bench.at(100, &[]);
     assert_eq!(bench.sent(), []);
@@ -137,7 +137,7 @@ fn an_unanswered_order_is_repeated_with_its_key_and_what_is_left_of_its_time() {
 
 #[test]
 fn a_code_fails_it_and_what_other_stations_do_meanwhile_is_kept() {
-    let mut bench = Bench::new();
+    let mut bench = PlayerBench::new();
     bench.at(10, &[running(ROBOT, 1), running(MACHINE, 2)]);
     bench.at(
         20,
@@ -152,7 +152,7 @@ fn a_code_fails_it_and_what_other_stations_do_meanwhile_is_kept() {
 
 #[test]
 fn a_refusal_that_does_not_pass_fails_it() {
-    let mut bench = Bench::new();
+    let mut bench = PlayerBench::new();
     bench.at(10, &[PlayerInput::Reply(ROBOT, key(1), TaskReply::Refused(TaskRefusal::NotThere))]);
     let failure = OrderFailure::Refused(TaskRefusal::NotThere);
     bench.assert_failed(ActivityFailure::Order { key: key(1), failure });
@@ -161,7 +161,7 @@ fn a_refusal_that_does_not_pass_fails_it() {
 /// Seed 001, Fig. 6: all limits count from the start of the activity; each station has its own.
 #[test]
 fn an_end_that_does_not_come_in_time_fails_it_and_one_that_comes_later_is_kept() {
-    let mut bench = Bench::new();
+    let mut bench = PlayerBench::new();
     bench.at(10, &[running(ROBOT, 1), running(MACHINE, 2)]);
     bench.at(50_000, &[done(MACHINE, 2)]);
     assert_eq!(bench.player.next_deadline(), Some(Tick::from_millis(60_000)));
@@ -176,7 +176,7 @@ fn an_end_that_does_not_come_in_time_fails_it_and_one_that_comes_later_is_kept()
 
 #[test]
 fn an_end_that_comes_at_the_last_moment_is_in_time() {
-    let mut bench = Bench::new();
+    let mut bench = PlayerBench::new();
     bench.at(60_000, &[done(ROBOT, 1), done(MACHINE, 2)]);
     assert!(bench.log.iter().any(|record| matches!(record.fact, RecordKind::Ended { .. })));
 }
@@ -184,7 +184,7 @@ fn an_end_that_comes_at_the_last_moment_is_in_time() {
 /// After a restart, first the ends of orders in the meantime are received.
 #[test]
 fn no_limit_runs_out_in_the_first_second_after_a_restart() {
-    let mut bench = Bench::new();
+    let mut bench = PlayerBench::new();
     bench.at(10, &[running(ROBOT, 1), running(MACHINE, 2)]);
     bench.now = 100_000;
     bench.restart();
@@ -200,7 +200,7 @@ fn no_limit_runs_out_in_the_first_second_after_a_restart() {
 fn an_order_to_a_station_that_has_lost_its_memory_fails_and_is_never_sent_again() {
     for acknowledged in [false, true] {
         for restarted in [false, true] {
-            let mut bench = Bench::new();
+            let mut bench = PlayerBench::new();
             if acknowledged {
                 bench.at(10, &[running(ROBOT, 1)]);
             }
@@ -220,12 +220,12 @@ fn an_order_to_a_station_that_has_lost_its_memory_fails_and_is_never_sent_again(
 #[test]
 fn a_lost_memory_is_noticed_whichever_of_its_records_were_written() {
     let fresh = TaskReport { memory: 2, ..TaskReport::default() };
-    let mut whole = Bench::new();
+    let mut whole = PlayerBench::new();
     let before = whole.log.len();
     whole.at(20, &[PlayerInput::Station(ROBOT, &fresh)]);
     assert!(whole.log.len() >= before + 3, "the order fails, the memory is new, the activity fails");
     for written in before..=whole.log.len() {
-        let mut bench = Bench::new();
+        let mut bench = PlayerBench::new();
         bench.at(20, &[PlayerInput::Station(ROBOT, &fresh)]);
         bench.log.truncate(written);
         bench.restart();
@@ -238,7 +238,7 @@ fn a_lost_memory_is_noticed_whichever_of_its_records_were_written() {
 /// Until this life has received a station, it sends it nothing: its memory has to be in a record first.
 #[test]
 fn a_restarted_coordinator_sends_what_nobody_has_answered_once_it_hears_the_station() {
-    let mut bench = Bench::new();
+    let mut bench = PlayerBench::new();
     bench.at(10, &[running(ROBOT, 1)]);
     bench.restart();
     bench.at(20, &[PlayerInput::Starts(true)]);
@@ -256,7 +256,7 @@ fn a_restarted_coordinator_sends_what_nobody_has_answered_once_it_hears_the_stat
 /// There is another coordinator already.
 #[test]
 fn a_coordinator_that_hears_of_a_later_life_starts_and_sends_nothing_more() {
-    let mut bench = Bench::new();
+    let mut bench = PlayerBench::new();
     let later = TaskReport { memory: 1, epoch: 2, ..TaskReport::default() };
     bench.at(200, &[PlayerInput::Station(MACHINE, &later)]);
     assert_eq!(bench.out.events, [CellEvent::Superseded { by: MACHINE, epoch: 2 }]);
@@ -268,7 +268,7 @@ fn a_coordinator_that_hears_of_a_later_life_starts_and_sends_nothing_more() {
 
 #[test]
 fn what_another_station_says_of_an_order_is_not_believed() {
-    let mut bench = Bench::new();
+    let mut bench = PlayerBench::new();
     bench.at(10, &[done(MACHINE, 1), done(ROBOT, 2), done(StationId(9), 1), done(ROBOT, 77)]);
     assert_eq!(bench.out.records, []);
 }

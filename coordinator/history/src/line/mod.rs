@@ -380,32 +380,3 @@ fn without_ms(text: &str, before: &str) -> String {
     }
     kept
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_fault_has_no_time_that_was_measured_as_it_came() {
-        for (fault, cause) in [
-            ("clamp (node 06h): no heartbeat (1017h) for 201 ms", "clamp (node 06h): no heartbeat (1017h)"),
-            (
-                "io (10.0.0.4:502 unit 1): not asked for 152 ms; tried again in 99 ms; look",
-                "io (10.0.0.4:502 unit 1): not asked; look",
-            ),
-            ("waits for ms, for 2 s; for  ms", "waits for ms, for 2 s; for  ms"),
-            ("", ""),
-        ] {
-            assert_eq!(unmeasured(fault), cause);
-        }
-    }
-
-    #[test]
-    fn a_cause_has_no_number_of_a_cycle() {
-        let why = "transfer: 4th lower (cycle 12), for advance clamp; mill_1: feed (cycle -1), for it";
-        assert_eq!(cause(why), "transfer: 4th lower, for advance clamp; mill_1: feed, for it");
-        for same in ["a plausible cycle of mill_1 (it reports 7), for x", "x (cycle time)", "x (cycle ", ""] {
-            assert_eq!(cause(same), same);
-        }
-    }
-}

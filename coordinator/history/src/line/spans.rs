@@ -64,34 +64,3 @@ impl Spans {
         taken
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn spans(of: &[(u64, u64)]) -> Spans {
-        Spans::of(of.iter().map(|&(from, to)| (Tick::from_millis(from), Tick::from_millis(to))))
-    }
-
-    #[test]
-    fn what_overlaps_or_touches_is_joined() {
-        assert_eq!(spans(&[(5, 9), (1, 3), (2, 4), (4, 5), (7, 7), (20, 30)]), spans(&[(1, 9), (20, 30)]));
-        assert_eq!(spans(&[(1, 9), (20, 30)]).total(), Duration::from_millis(18));
-    }
-
-    #[test]
-    fn what_is_taken_and_what_is_left_are_the_whole() {
-        for (others, left) in [
-            (vec![], vec![(10, 20), (30, 40)]),
-            (vec![(0, 5), (20, 30), (40, 50)], vec![(10, 20), (30, 40)]),
-            (vec![(12, 15)], vec![(10, 12), (15, 20), (30, 40)]),
-            (vec![(11, 12), (13, 14), (15, 35)], vec![(10, 11), (12, 13), (14, 15), (35, 40)]),
-            (vec![(0, 100)], vec![]),
-        ] {
-            let mut of = spans(&[(10, 20), (30, 40)]);
-            let taken = of.take(&spans(&others));
-            assert_eq!(of, spans(&left), "{others:?}");
-            assert_eq!(taken + of.total(), Duration::from_millis(20), "{others:?}");
-        }
-    }
-}

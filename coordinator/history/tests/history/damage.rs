@@ -1,6 +1,9 @@
 //! Files that are not what they should be.
 
-use linewright_history::{History, HistoryError, HistoryReader};
+use std::path::PathBuf;
+use std::time::{Duration, SystemTime};
+
+use linewright_history::{History, HistoryError, HistoryReader, set_aside};
 use linewright_line::Tick;
 use linewright_simulation::Rng;
 use rusqlite::Connection;
@@ -85,4 +88,48 @@ fn a_file_with_other_bytes_is_read_to_its_end_or_refused() {
         assert!(read(&path).is_err(), "cut off at {cut} of {}", sound.len());
     }
     assert!(refused > 30, "{refused}");
+}
+
+#[test]
+fn a_damaged_database_is_kept_with_its_time_and_all_that_belongs_to_it_and_none_is_overwritten() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let path = dir.path().join("line.db");
+    let at = SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_000_000);
+    for nth in ["", "-2"] {
+        for end in ["", "-wal"] {
+            std::fs::write(dir.path().join(format!("line.db{end}")), format!("{nth}{end}")).expect("written");
+        }
+        let kept = set_aside(&path, at).expect("renamed");
+        let name = kept.file_name().and_then(|name| name.to_str()).expect("a name").to_owned();
+        assert_eq!(name, format!("line.db.damaged-20261118T110640Z{nth}"));
+        for end in ["", "-wal"] {
+            let text = std::fs::read_to_string(dir.path().join(format!("{name}{end}"))).expect("it is kept");
+            assert_eq!(text, format!("{nth}{end}"));
+        }
+        assert!(!path.exists());
+    }
+}
+
+#[test]
+fn of_many_damaged_databases_the_first_and_the_newest_are_kept() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let path = dir.path().join("line.db");
+    for nth in 0..9_u64 {
+        for end in ["", "-wal"] {
+            std::fs::write(dir.path().join(format!("line.db{end}")), nth.to_string()).expect("written");
+        }
+        set_aside(&path, SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_000_000 + nth)).expect("renamed");
+    }
+    let files = |end: &str| {
+        let mut names: Vec<PathBuf> = std::fs::read_dir(dir.path())
+            .expect("a directory")
+            .map(|entry| entry.expect("an entry").path())
+            .filter(|path| path.to_str().is_some_and(|name| name.ends_with(end)))
+            .collect();
+        names.sort();
+        names.iter().map(|name| std::fs::read_to_string(name).expect("it is there")).collect::<Vec<_>>()
+    };
+    for end in ["Z", "-wal"] {
+        assert_eq!(files(end), ["0", "5", "6", "7", "8"], "{end}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_history::line::{LineReport, LineState, LineTracking, ReportParameters, StopKind};
+use linewright_history::line::{LineReport, LineState, LineTracking, ReportParameters, Spans, StopKind};
 use linewright_history::{
     EventKind, History, HistoryEvent, HistoryFeed, HistoryReader, LineAbout, LineOperation, LineStation, MotionOutcome,
     Note, TimeBase,
@@ -343,4 +343,59 @@ fn a_thread_that_panics_is_a_failure() {
         feed.failed().is_some()
     });
     assert!(has_failed, "{:?}", feed.failed());
+}
+
+fn spans(of: &[(u64, u64)]) -> Spans {
+    Spans::of(of.iter().map(|&(from, to)| (Tick::from_millis(from), Tick::from_millis(to))))
+}
+
+#[test]
+fn what_overlaps_or_touches_is_joined() {
+    assert_eq!(spans(&[(5, 9), (1, 3), (2, 4), (4, 5), (7, 7), (20, 30)]), spans(&[(1, 9), (20, 30)]));
+    assert_eq!(spans(&[(1, 9), (20, 30)]).total(), Duration::from_millis(18));
+}
+
+#[test]
+fn what_is_taken_and_what_is_left_are_the_whole() {
+    for (others, left) in [
+        (vec![], vec![(10, 20), (30, 40)]),
+        (vec![(0, 5), (20, 30), (40, 50)], vec![(10, 20), (30, 40)]),
+        (vec![(12, 15)], vec![(10, 12), (15, 20), (30, 40)]),
+        (vec![(11, 12), (13, 14), (15, 35)], vec![(10, 11), (12, 13), (14, 15), (35, 40)]),
+        (vec![(0, 100)], vec![]),
+    ] {
+        let mut of = spans(&[(10, 20), (30, 40)]);
+        let taken = of.take(&spans(&others));
+        assert_eq!(of, spans(&left), "{others:?}");
+        assert_eq!(taken + of.total(), Duration::from_millis(20), "{others:?}");
+    }
+}
+
+#[test]
+fn a_fault_has_no_time_that_was_measured_as_it_came() {
+    for (text, cause) in [
+        ("clamp (node 06h): no heartbeat (1017h) for 201 ms", "clamp (node 06h): no heartbeat (1017h)"),
+        (
+            "io (10.0.0.4:502 unit 1): not asked for 152 ms; tried again in 99 ms; look",
+            "io (10.0.0.4:502 unit 1): not asked; look",
+        ),
+        ("waits for ms, for 2 s; for  ms", "waits for ms, for 2 s; for  ms"),
+    ] {
+        let tracking = tracked(&[(0, Note::Began {}), (0, mode("auto", true)), (1_000, fault(0, text))]);
+        let report = tracking.report((AT(0), AT(2_000)), &ReportParameters::default());
+        assert_eq!(report.stops[0].cause.text, format!("bar: {cause}"));
+    }
+}
+
+#[test]
+fn a_cause_has_no_number_of_a_cycle() {
+    let cause = |why: &str| {
+        let tracking = tracked(&[(0, Note::Began {}), (0, mode("auto", true)), (2_000, waited(0, why, 1_000, 2_000))]);
+        tracking.stations()[0].waits[0].why.clone()
+    };
+    let why = "transfer: 4th lower (cycle 12), for advance clamp; mill_1: feed (cycle -1), for it";
+    assert_eq!(cause(why), "transfer: 4th lower, for advance clamp; mill_1: feed, for it");
+    for same in ["a plausible cycle of mill_1 (it reports 7), for x", "x (cycle time)", "x (cycle ", ""] {
+        assert_eq!(cause(same), same);
+    }
 }

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use linewright_history::{
-    EventKind, History, HistoryError, HistoryFeed, HistoryNews, HistoryReader, LineAbout, LostNotes, Note, TimeBase,
+    EventKind, History, HistoryError, HistoryFeed, HistoryNews, HistoryReader, LineAbout, LostNotes, Note, Outages,
+    TimeBase,
 };
 use linewright_line::Tick;
 use rusqlite::Connection;
@@ -244,4 +245,73 @@ fn records_of_a_log_are_caught_up_after_an_outage() {
     let gaps = all.iter().filter(|event| matches!(event.what, EventKind::Note(Note::Gap { lost: 1, .. })));
     assert_eq!((gaps.count(), all.len()), (1, of.log.len() + 1));
     assert_eq!(all.iter().filter_map(|event| event.record()).collect::<Vec<_>>(), of.log);
+}
+
+const SECONDS: fn(u64) -> Tick = |seconds| Tick::from_millis(seconds * 1000);
+
+#[test]
+fn waits_double_up_to_half_a_minute_and_one_failure_begins_it() {
+    let mut outages = Outages::default();
+    assert_eq!((outages.is_on(), outages.left(SECONDS(0))), (false, None));
+    let mut now = SECONDS(100);
+    assert!(outages.failed(now), "it begins");
+    let mut waits = Vec::new();
+    for _ in 0..8 {
+        let left = outages.left(now).expect("an outage");
+        waits.push(left.as_secs());
+        assert_eq!(outages.left(now + left * 2), Some(Duration::ZERO));
+        now = now + left;
+        assert!(!outages.failed(now), "it goes on");
+    }
+    assert_eq!(waits, [1, 2, 4, 8, 16, 30, 30, 30]);
+}
+
+#[test]
+fn a_relapse_goes_on_with_longer_waits_and_a_later_outage_begins_anew() {
+    let mut outages = Outages::default();
+    outages.failed(SECONDS(0));
+    outages.failed(SECONDS(1));
+    assert_eq!(outages.end(SECONDS(3)), Some(LostNotes::default()));
+    assert_eq!(outages.end(SECONDS(3)), None);
+    assert!(outages.failed(SECONDS(62)), "another outage");
+    assert_eq!(outages.left(SECONDS(62)), Some(Duration::from_secs(4)));
+    outages.end(SECONDS(70));
+    outages.failed(SECONDS(130));
+    assert_eq!(outages.left(SECONDS(130)), Some(Duration::from_secs(1)));
+}
+
+#[test]
+fn what_is_lost_is_counted_from_the_first_to_the_last_of_one_outage() {
+    let mut outages = Outages::default();
+    let mut lost = LostNotes::default();
+    assert_eq!(lost.gap(), None);
+    lost.add(SECONDS(7));
+    lost.add(SECONDS(5));
+    outages.failed(SECONDS(0));
+    outages.lose(lost);
+    lost.add(SECONDS(9));
+    outages.lose(LostNotes { count: 1, span: Some((SECONDS(9), SECONDS(9))) });
+    assert_eq!(outages.lost(), lost);
+    let ended = outages.end(SECONDS(1)).expect("it was on");
+    assert_eq!(ended.gap(), Some((SECONDS(9), Note::Gap { from: SECONDS(5), to: SECONDS(9), lost: 3 })));
+    assert_eq!(outages.lost(), LostNotes::default());
+}
+
+#[test]
+fn a_failure_names_file_reason_consequence_and_remedy() {
+    let path = PathBuf::from("/s/line.db");
+    let error = HistoryError::Refused { path: path.clone(), why: "database or disk is full".to_owned() };
+    let news = [
+        HistoryNews::Failed { why: error.to_string(), remedy: error.remedy() },
+        HistoryNews::Resumed { path, lost: LostNotes { count: 7, span: None } },
+    ];
+    assert_eq!(
+        news.each_ref().map(ToString::to_string),
+        [
+            "cannot use database /s/line.db: database or disk is full; until it is written again reports may lack what \
+             happens, control goes on; make room on the disk, or make file and directory writable; writing is tried again by itself",
+            "database /s/line.db is written again; 7 notes were lost, which reports show",
+        ]
+    );
+    assert_eq!(news.map(|news| news.is_warning()), [true, false]);
 }

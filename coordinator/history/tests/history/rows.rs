@@ -2,7 +2,7 @@
 
 use linewright_coordinator_cell::tracking::Activities;
 use linewright_coordinator_cell::{FiringId, RecordKind};
-use linewright_history::{EventKind, History, HistoryError, HistoryReader, Note, TimeBase};
+use linewright_history::{EventKind, History, HistoryError, HistoryEvent, HistoryReader, Note, TimeBase};
 use linewright_line::Tick;
 use rusqlite::Connection;
 
@@ -67,7 +67,7 @@ fn notes_lie_between_the_records_of_their_time() {
         (Tick::ZERO, Note::Station { station: 1, lost: true }),
         (middle, Note::Device { station: 1, device: "m1 \"left\"".to_owned(), lost: false }),
         (middle, Note::Planned { firing: FiringId(3), from: middle, to: Tick::from_millis(100) }),
-        (middle, Note::Said { text: "x".to_owned() }),
+        (middle, Note::Said { text: "\":{\"".to_owned() }),
     ];
     notes.iter().for_each(|(at, note)| history.note(*at, note).unwrap());
     let events = events(&path);
@@ -81,6 +81,8 @@ fn notes_lie_between_the_records_of_their_time() {
     expected.sort_by_key(|(at, _)| *at);
     assert_eq!(read.collect::<Vec<_>>(), expected);
     assert_eq!(records(&path), of.log);
+    let epoch = HistoryEvent { at: middle, what: EventKind::Fact(1, RecordKind::Epoch { epoch: 3 }) };
+    assert_eq!(epoch.parts(), ("epoch".to_owned(), "{\"epoch\":3}".to_owned()));
     let mut until = 0;
     HistoryReader::open(&path).unwrap().each(middle, |event| until += usize::from(event.at <= middle)).unwrap();
     let of_log = of.log.iter().filter(|record| record.at <= middle).count();

@@ -182,39 +182,3 @@ fn wrong_mode(takes: &[ModeCommand], way: &[ModeCommand]) -> String {
     let way = if way.is_empty() { way } else { format!("; the way: {way}") };
     format!("not possible from this mode{takes}{way}")
 }
-
-#[cfg(test)]
-mod tests {
-    use linewright_line::net::ControlMode;
-    use linewright_line::{StationId, TransferLine};
-
-    use super::*;
-
-    #[test]
-    fn a_loss_is_refused_with_the_device_and_its_trouble_where_it_is_known() {
-        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
-        let reasons =
-            vec![ModeRefusal::DevicesLost(StationId(1)), ModeRefusal::ConsoleLost, ModeRefusal::Moving(StationId(0))];
-        let refusal =
-            RefusedCommand { command: OperatorCommand::Mode(ModeCommand::Auto), mode: ControlMode::StandBy, reasons };
-        let known = |owner| match owner {
-            Owner::Station(_) => "clamp 1 io (node 21h): no heartbeat (1017h) for 230 ms".to_owned(),
-            Owner::Console => String::new(),
-        };
-        let expected = "auto refused in stand-by: clamp_1: I/O devices lost: clamp 1 io (node 21h): no heartbeat \
-                        (1017h) for 230 ms; console: I/O devices not operational; transfer: motion in progress";
-        assert_eq!(refusal.text_with(&line, known), expected);
-    }
-
-    #[test]
-    fn what_several_stations_lack_is_said_once_and_the_one_away_is_named() {
-        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
-        let apart = line.station_ids().map(ModeRefusal::NoCommonStart);
-        let reasons = apart.chain([ModeRefusal::NotAtHome(StationId(1))]).collect();
-        let refusal =
-            RefusedCommand { command: OperatorCommand::Mode(ModeCommand::Auto), mode: ControlMode::StandBy, reasons };
-        let text = refusal.text(&line);
-        assert_eq!(text.matches("lead all stations home").count(), 1, "{text}");
-        assert!(text.starts_with("auto refused in stand-by: clamp_1: not at home; transfer, clamp_1, "), "{text}");
-    }
-}

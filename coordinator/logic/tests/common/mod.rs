@@ -13,7 +13,7 @@ pub fn line() -> Line {
 }
 
 /// A coordinator with three stations that answer at once.
-pub struct Bench {
+pub struct CoordinatorBench {
     pub line: Line,
     pub coordinator: Coordinator,
     pub now: Tick,
@@ -25,18 +25,18 @@ pub struct Bench {
     pub permit: Option<ManualPermit>,
 }
 
-impl Bench {
+impl CoordinatorBench {
     /// Switched on: every station at home, standing, in order.
     pub fn new() -> Self {
-        Bench::with_last_epoch(0)
+        CoordinatorBench::with_last_epoch(0)
     }
 
     pub fn with_last_epoch(last_epoch: u64) -> Self {
-        Bench::of(line(), last_epoch)
+        CoordinatorBench::of(line(), last_epoch)
     }
 
     pub fn of(line: Line, last_epoch: u64) -> Self {
-        let mut bench = Bench::of_unheard_console(line, last_epoch);
+        let mut bench = CoordinatorBench::of_unheard_console(line, last_epoch);
         let untouched = bench.line.console.estop.filter(|contact| !contact.pressed);
         let bits = untouched.map_or(0, |contact| 1 << contact.input.0);
         bench.input(ModeInput::Console { bits, valid: true });
@@ -53,7 +53,7 @@ impl Bench {
             generation: 1,
             ..StationView::default()
         };
-        let mut bench = Bench {
+        let mut bench = CoordinatorBench {
             coordinator: Coordinator::new(line.clone(), 1, last_epoch),
             heard: vec![heard; line.stations.len()],
             line,
@@ -68,7 +68,7 @@ impl Bench {
 
     /// With the second station task-driven. What it can be ordered to do does not matter here.
     pub fn with_one_task_driven() -> Self {
-        Bench::with_task_driven(&[1])
+        CoordinatorBench::with_task_driven(&[1])
     }
 
     /// With these stations task-driven.
@@ -86,12 +86,12 @@ impl Bench {
                 parameters: Vec::new(),
             }];
         }
-        Bench::of(line, 0)
+        CoordinatorBench::of(line, 0)
     }
 
     /// A bench in this mode, by commands alone.
     pub fn in_mode(mode: ControlMode) -> Self {
-        let mut bench = Bench::new();
+        let mut bench = CoordinatorBench::new();
         let commands: &[ModeCommand] = match mode {
             ControlMode::Home => &[],
             ControlMode::StandBy => &[ModeCommand::Start],

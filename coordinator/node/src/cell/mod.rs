@@ -11,7 +11,7 @@ mod play;
 mod requests;
 mod topics;
 mod why;
-mod wire;
+pub mod wire;
 mod words;
 
 pub use history::HistoryFeeder;
@@ -19,3 +19,4 @@ pub use keeping::{CellLogKeeper, ROOM_BYTES};
 pub use log::{CellLog, CellLogError, OpenedLog, RECORDS_MAX};
 pub use planning::{CellPlanning, RESTART_AFTER};
 pub use play::{CellError, CellNodeOptions, CellThread};
+pub use words::by_whom;

@@ -167,13 +167,3 @@ fn late(order: &ProductionOrder) -> String {
         Some(_) | None => "done".to_owned(),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::by_whom;
-
-    #[test]
-    fn a_request_without_a_sender_names_none() {
-        assert_eq!([by_whom(""), by_whom(" "), by_whom("Ann\n")], ["", "", " by Ann"]);
-    }
-}

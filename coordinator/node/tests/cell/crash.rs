@@ -18,7 +18,7 @@ use linewright_line::Tick;
 use linewright_simulation::Rng;
 use linewright_simulation::cell::{CellSim, CellSimOptions, RecordStore, StationSpeed};
 
-use crate::shipped::{self, Shipped, directory, production, shipped};
+use super::shipped::{self, Shipped, directory, production, shipped};
 
 const LONG: Tick = Tick::from_millis(24 * 3_600_000);
 

@@ -17,7 +17,7 @@ use linewright_line::{StationId, Tick};
 use linewright_node_shell::log::{Disk, DiskFaults, DiskOperation};
 use linewright_simulation::cell::{CellSim, CellSimOptions};
 
-use crate::shipped::{Shipped, directory, shipped, with_production_orders};
+use super::shipped::{Shipped, directory, shipped, with_production_orders};
 
 /// Notes operations, and lets some of them fail.
 #[derive(Debug, Default)]

@@ -13,8 +13,8 @@ use linewright_line::Tick;
 use linewright_simulation::Rng;
 use linewright_simulation::cell::{CellSim, RecordStore};
 
-use crate::crash::{Death, OnDisk, options};
-use crate::shipped::{Shipped, directory, shipped};
+use super::crash::{Death, OnDisk, options};
+use super::shipped::{Shipped, directory, shipped};
 
 fn about(of: &Shipped) -> CellAbout {
     CellAbout {

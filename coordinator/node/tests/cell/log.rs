@@ -12,7 +12,7 @@ use linewright_simulation::cell::{CellSim, CellSimOptions};
 use proptest::prelude::*;
 use tempfile::TempDir;
 
-use crate::shipped::{Shipped, directory, shipped};
+use super::shipped::{Shipped, directory, shipped};
 
 fn open(path: &Path, table: &Arc<CellTable>) -> Result<OpenedLog, CellLogError> {
     CellLog::open(path, "assembly_cell", table)

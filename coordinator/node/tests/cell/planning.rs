@@ -11,7 +11,7 @@ use linewright_coordinator_node::cell::{CellPlanning, RESTART_AFTER};
 use linewright_line::Tick;
 use linewright_simulation::cell::{CellSim, CellSimOptions};
 
-use crate::shipped::{Shipped, with_production_orders};
+use super::shipped::{Shipped, with_production_orders};
 
 const PARTS: u32 = 5;
 

@@ -17,10 +17,11 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use kernel::KernelBus;
-pub(crate) use last::LastWire;
+pub use kernel::means_gone;
+pub use last::LastWire;
 use linewright_canopen::Frame;
 use linewright_canopen::candump::CandumpWriter;
-pub use own::{BusDirectory, OwnBuses, find as find_bus};
+pub use own::{BusDirectory, OwnBuses, find as find_bus, find_in as find_bus_in};
 use virtual_bus::VirtualBus;
 
 use crate::texts::{BusDescription, BusWarning};
@@ -139,7 +140,7 @@ impl Bus {
     }
 
     /// A second way onto this bus, for another thread. None where the system gives no more sockets.
-    pub(crate) fn last_wire(&self) -> Option<LastWire> {
+    pub fn last_wire(&self) -> Option<LastWire> {
         let opened = match &self.wire {
             BusWire::Kernel(_) => LastWire::kernel(&self.name),
             BusWire::Virtual(bus) => LastWire::of_directory(bus.dir().to_owned()),
@@ -216,26 +217,4 @@ pub fn place(name: &str, options: &BusOptions) -> String {
 fn is_bus_name(name: &str) -> bool {
     let plain = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'.' | b'_' | b'-');
     (1..=15).contains(&name.len()) && !name.starts_with('.') && name.bytes().all(plain)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[tokio::test]
-    async fn an_interface_that_is_missing_is_an_error_where_the_virtual_bus_was_not_asked_for() {
-        let options = BusOptions { transport: Transport::SocketCan, ..BusOptions::default() };
-        let error = Bus::open("lw-absent", &options).err().expect("there is no such interface");
-        assert!(matches!(&error, BusError::Missing { name, .. } if name == "lw-absent"), "{error:?}");
-        let text = error.to_string();
-        assert!(text.starts_with("there is no CAN interface lw-absent (") && text.contains("--virtual-bus"), "{text}");
-    }
-
-    #[test]
-    fn names_that_leave_the_directory_are_refused() {
-        for name in ["", ".", "..", "../x", "a/b", "sixteen-letters-", "né"] {
-            assert!(matches!(Bus::open(name, &BusOptions::default()), Err(BusError::Name { .. })), "{name}");
-        }
-        assert!(is_bus_name("vcan0") && is_bus_name("can-drill.1"));
-    }
 }

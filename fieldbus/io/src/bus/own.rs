@@ -37,7 +37,11 @@ impl OwnBuses {
         OwnBuses::create_in(&checked_base()?, about).map(Some)
     }
 
-    fn create_in(base: &Path, about: &str) -> io::Result<Self> {
+    /// The same in the directory `base`, whatever the environment names.
+    ///
+    /// # Errors
+    /// When the directory cannot be made.
+    pub fn create_in(base: &Path, about: &str) -> io::Result<Self> {
         sweep(base);
         for number in 0..TRIES {
             let dir = base.join(format!("{PREFIX}{:x}-{number}", std::process::id()));
@@ -113,7 +117,8 @@ pub fn find(name: &str, about: Option<&str>) -> Vec<BusDirectory> {
     find_in(&base, name, about)
 }
 
-fn find_in(base: &Path, name: &str, about: Option<&str>) -> Vec<BusDirectory> {
+/// The same below the directory `base`.
+pub fn find_in(base: &Path, name: &str, about: Option<&str>) -> Vec<BusDirectory> {
     let mut found: Vec<BusDirectory> = runs(base)
         .filter(|dir| has_members(&dir.join(name)))
         .map(|dir| BusDirectory { about: Some(fs::read_to_string(dir.join(ABOUT)).unwrap_or_default()), dir })
@@ -123,58 +128,4 @@ fn find_in(base: &Path, name: &str, about: Option<&str>) -> Vec<BusDirectory> {
         found.push(BusDirectory { about: None, dir: base.to_owned() });
     }
     found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn run(base: &Path, number: &str, about: &str) -> (UnixDatagram, PathBuf) {
-        let dir = base.join(format!("{PREFIX}{number}"));
-        fs::create_dir_all(dir.join("vcan0")).expect("a directory");
-        fs::write(dir.join(ABOUT), about).expect("a file");
-        (UnixDatagram::bind(dir.join("vcan0/a.can")).expect("a socket"), dir)
-    }
-
-    #[test]
-    fn a_bus_is_found_where_somebody_is_on_it() {
-        let base = tempfile::tempdir().expect("a directory");
-        let (member, mill) = run(base.path(), "1-0", "mill");
-        let (other, rotary) = run(base.path(), "2-0", "rotary");
-        let of = |dir: &Path, about: &str| BusDirectory { about: Some(about.to_owned()), dir: dir.to_owned() };
-        let mut both = find_in(base.path(), "vcan0", None);
-        both.sort_by_key(|found| found.about.clone());
-        assert_eq!(both, [of(&mill, "mill"), of(&rotary, "rotary")]);
-        assert_eq!(find_in(base.path(), "vcan0", Some("rotary")), [of(&rotary, "rotary")]);
-        assert_eq!(find_in(base.path(), "vcan1", None), []);
-        drop(member);
-        assert_eq!(find_in(base.path(), "vcan0", None), [of(&rotary, "rotary")], "a socket that was left behind");
-        drop(other);
-        assert_eq!(find_in(base.path(), "vcan0", None), []);
-    }
-
-    #[test]
-    fn a_directory_that_cannot_be_made_is_named() {
-        let base = tempfile::tempdir().expect("a directory");
-        let file = base.path().join("a file");
-        fs::write(&file, "").expect("a file");
-        for error in [
-            OwnBuses::create_in(&file, "mill").expect_err("a file has no directories"),
-            super::super::members::prepare("vcan0", Some(&file)).expect_err("nor buses"),
-        ] {
-            assert!(error.to_string().starts_with(&file.display().to_string()), "{error}");
-        }
-    }
-
-    #[test]
-    fn what_killed_runs_leave_is_swept_and_what_is_in_use_is_not() {
-        let base = tempfile::tempdir().expect("a directory");
-        // No process has this number: it is above the kernel's limit.
-        let (gone, left) = run(base.path(), "7fffffff-0", "killed");
-        let (_member, used) = run(base.path(), "7ffffffe-0", "killed, its plant not yet");
-        let (_, ours) = run(base.path(), &format!("{:x}-0", std::process::id()), "this one, before its devices are up");
-        drop(gone);
-        sweep(base.path());
-        assert_eq!([left, used, ours].map(|dir| dir.exists()), [false, true, true]);
-    }
 }

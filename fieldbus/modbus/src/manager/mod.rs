@@ -248,6 +248,3 @@ impl ModbusManager {
         Some(self.requests)
     }
 }
-
-#[cfg(test)]
-mod tests;

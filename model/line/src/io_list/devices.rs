@@ -160,19 +160,3 @@ fn write_comments(table: &mut dyn TableLike, comments: &BTreeMap<String, String>
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_device_within_braces_keeps_its_comments_within_braces() {
-        let text = "device = [{ name = \"io\", station = \"s\", inputs = [\"a\"] }]\n";
-        let document: DocumentMut = text.parse().expect("TOML");
-        let before = read(&document, &document);
-        let mut after = before.clone();
-        after[0].comments.insert("a".to_owned(), "x".to_owned());
-        let written = write(text, &before, &after);
-        assert!(written.ends_with(", comments = { a = \"x\" } }]\n"), "{written}");
-    }
-}

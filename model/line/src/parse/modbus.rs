@@ -76,23 +76,3 @@ fn register_value(raw: &RawRegisterValue) -> Option<RegisterValue> {
     let number = |raw: &Option<Located<i64>>| word(raw.as_ref()?.value);
     Some(RegisterValue { register: number(&raw.register)?, value: number(&raw.value)? })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_address_has_a_host_and_a_port() {
-        for (text, host, port) in [
-            ("192.168.1.20:502", "192.168.1.20", 502),
-            ("press-io:1502", "press-io", 1502),
-            ("[::1]:502", "[::1]", 502),
-        ] {
-            assert_eq!(host_and_port(text), Some((host, port)));
-        }
-        for text in ["", ":", "host", "host:", ":502", "host:0", "host:65536", "host:+5", "a b:502", "::1:502", "[]:5"]
-        {
-            assert_eq!(host_and_port(text), None, "{text}");
-        }
-    }
-}

@@ -82,29 +82,3 @@ pub(super) fn setting(raw: &RawSetting) -> Option<ObjectWrite> {
     let (index, sub) = object(&raw.object.as_ref()?.value)?;
     Some(ObjectWrite { index, sub, data: raw.width.bytes_of(raw.value.as_ref()?.value)? })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn objects_are_read_in_the_forms_people_use() {
-        for text in ["6206:01", "6206:1", "6206h:01", "0x6206:0x01"] {
-            assert_eq!(object(text), Some((0x6206, 1)), "{text}");
-        }
-        assert_eq!(object("1029"), Some((0x1029, 0)));
-        for text in ["", ":", "6206:", "62061:01", "6206:100", "g", "6206:-1", "+206:1"] {
-            assert_eq!(object(text), None, "{text}");
-        }
-    }
-
-    #[test]
-    fn numbers_become_bytes_of_their_width() {
-        let width = |bytes, signed| Width { bytes, signed };
-        assert_eq!(width(2, false).bytes_of(0x1234), Some(vec![0x34, 0x12]));
-        assert_eq!(width(1, true).bytes_of(-1), Some(vec![0xFF]));
-        assert_eq!(width(4, false).bytes_of(0xFFFF_FFFF), Some(vec![0xFF; 4]));
-        assert_eq!(width(1, false).bytes_of(256), None);
-        assert_eq!(width(4, true).bytes_of(1 << 31), None);
-    }
-}

@@ -16,10 +16,10 @@ const GENERATION: u64 = 5;
 const REFRESH: Duration = Duration::from_millis(20);
 
 /// Something that happens to the bench, with its name.
-type Change = (&'static str, fn(&mut Bench));
+type Change = (&'static str, fn(&mut HomingBench));
 
 /// Two real controllers that receive each other's reports; a test is their mechanisms.
-struct Bench {
+struct HomingBench {
     line: Line,
     controllers: Vec<Controller>,
     images: [u128; 2],
@@ -42,12 +42,12 @@ fn bits(names: &[String], on: &[&str]) -> u128 {
     on.iter().map(bit).fold(0, |bits, bit| bits | bit)
 }
 
-impl Bench {
+impl HomingBench {
     /// Both at home with a generation in common, the table at place 1.
     fn at_home() -> Self {
         let line = description();
         let up = |at: usize| Controller::new(&line, StationId::at(at), 1, Restore::Fresh).expect("it compiles");
-        let mut bench = Bench {
+        let mut bench = HomingBench {
             controllers: STATIONS.map(up).into(),
             images: [0; 2],
             outputs: [0; 2],
@@ -71,7 +71,7 @@ impl Bench {
     /// The table has turned to place 2, the press is on its way down, and the drive has lost its reference: its process
     /// image says nothing.
     fn lost() -> Self {
-        let mut bench = Bench::at_home();
+        let mut bench = HomingBench::at_home();
         bench.mode(ControlMode::Auto);
         bench.see(TABLE, &["place_1"]);
         bench.see(TABLE, &["in_place", "place_2"]);
@@ -86,7 +86,7 @@ impl Bench {
 
     /// The same, the press having been led back.
     fn clear() -> Self {
-        let mut bench = Bench::lost();
+        let mut bench = HomingBench::lost();
         bench.press(PRESS, PanelCommand::Advance);
         assert_eq!(bench.outputs(PRESS), Vec::<&str>::new(), "nothing goes down on a table at an unknown place");
         bench.press(PRESS, PanelCommand::Retract);
@@ -170,7 +170,7 @@ impl Bench {
 
 #[test]
 fn a_table_that_stands_is_homed_without_waiting_for_the_arrows_of_its_next_index() {
-    let mut bench = Bench::clear();
+    let mut bench = HomingBench::clear();
     let before = bench.counts();
     let waits = bench.waits(TABLE);
     assert!(waits.contains("the homing of its drive: hold advance at its panel in manual"), "{waits}");
@@ -196,7 +196,7 @@ fn a_table_that_stands_is_homed_without_waiting_for_the_arrows_of_its_next_index
 
 #[test]
 fn homed_at_another_place_than_it_stood_at_it_is_in_doubt_and_a_person_confirms() {
-    let mut bench = Bench::clear();
+    let mut bench = HomingBench::clear();
     bench.press(TABLE, PanelCommand::Advance);
     bench.see(TABLE, &["in_place", "place_1"]);
     assert_eq!(bench.outputs(TABLE), Vec::<&str>::new());
@@ -228,7 +228,7 @@ fn a_homing_does_not_begin_while_the_press_is_in_its_way_or_not_known() {
         }),
     ];
     for (name, hinder) in hindrances {
-        let mut bench = Bench::clear();
+        let mut bench = HomingBench::clear();
         hinder(&mut bench);
         bench.wait_ms(1000);
         bench.press(TABLE, PanelCommand::Advance);
@@ -236,7 +236,7 @@ fn a_homing_does_not_begin_while_the_press_is_in_its_way_or_not_known() {
         let waits = bench.waits(TABLE);
         assert!(waits.contains("for the homing of its drive"), "{name}: {waits}");
         // One that comes up under way ends it, and its end begins nothing: the button has to be pressed again.
-        let mut bench = Bench::clear();
+        let mut bench = HomingBench::clear();
         bench.press(TABLE, PanelCommand::Advance);
         assert_eq!(bench.outputs(TABLE), ["turn"], "{name}");
         hinder(&mut bench);
@@ -251,7 +251,7 @@ fn a_homing_does_not_begin_while_the_press_is_in_its_way_or_not_known() {
 
 #[test]
 fn a_homing_does_not_begin_before_every_older_view_of_the_table_has_run_out() {
-    let mut bench = Bench::clear();
+    let mut bench = HomingBench::clear();
     bench.see(TABLE, &["in_place", "place_2"]);
     bench.see(TABLE, &[]);
     bench.press(TABLE, PanelCommand::Advance);
@@ -273,14 +273,14 @@ fn a_homing_is_ended_by_its_drives_fault_by_another_mode_and_by_return() {
         }),
     ];
     for (name, end) in ends {
-        let mut bench = Bench::clear();
+        let mut bench = HomingBench::clear();
         bench.press(TABLE, PanelCommand::Advance);
         assert_eq!(bench.outputs(TABLE), ["turn"], "{name}");
         end(&mut bench);
         assert_eq!(bench.outputs(TABLE), Vec::<&str>::new(), "{name}");
     }
     for mode in [ControlMode::Auto, ControlMode::Hand] {
-        let mut bench = Bench::clear();
+        let mut bench = HomingBench::clear();
         bench.mode(mode);
         bench.press(TABLE, PanelCommand::Advance);
         assert_eq!(bench.outputs(TABLE), Vec::<&str>::new(), "in manual alone");
@@ -290,7 +290,7 @@ fn a_homing_is_ended_by_its_drives_fault_by_another_mode_and_by_return() {
 /// The press starts nothing, in or out, while the table turns to its reference.
 #[test]
 fn nothing_else_moves_while_the_table_is_homed() {
-    let mut bench = Bench::clear();
+    let mut bench = HomingBench::clear();
     bench.press(TABLE, PanelCommand::Advance);
     for command in [PanelCommand::Advance, PanelCommand::Retract] {
         bench.held[PRESS] = Some(command(true));
@@ -305,7 +305,7 @@ fn nothing_else_moves_while_the_table_is_homed() {
 /// A person has looked before the table turned. The place where the homing ends is compared all the same.
 #[test]
 fn a_position_that_was_confirmed_before_the_homing_is_compared_with_where_it_ends() {
-    let mut bench = Bench::clear();
+    let mut bench = HomingBench::clear();
     let index = bench.line.stations[TABLE].operation_named("index").expect("it turns");
     assert!(bench.controllers[TABLE].handle(bench.now, StationInput::Rejoin(Some(index).into())).is_taken());
     bench.wait_ms(60);
@@ -319,7 +319,7 @@ fn a_position_that_was_confirmed_before_the_homing_is_compared_with_where_it_end
 
 #[test]
 fn nothing_is_confirmed_while_the_table_is_homed() {
-    let mut bench = Bench::clear();
+    let mut bench = HomingBench::clear();
     bench.press(TABLE, PanelCommand::Advance);
     assert_eq!(bench.outputs(TABLE), ["turn"]);
     let handled = bench.controllers[TABLE].handle(bench.now, StationInput::Rejoin(None.into()));
@@ -330,7 +330,7 @@ fn nothing_is_confirmed_while_the_table_is_homed() {
 
 #[test]
 fn a_record_without_a_place_is_of_no_generation() {
-    let bench = Bench::clear();
+    let bench = HomingBench::clear();
     let snapshot = bench.controllers[TABLE].snapshot();
     assert_eq!(snapshot.generation, GENERATION);
     let generation = |kept| {

@@ -16,7 +16,7 @@ const CLAMP: StationId = StationId(1);
 pub const MILL: StationId = StationId(2);
 pub const GENERATION: u64 = 5;
 
-pub struct Bench {
+pub struct InterlockBench {
     pub line: Line,
     pub clamp: Controller,
     now: Tick,
@@ -27,14 +27,14 @@ pub struct Bench {
     image: u128,
 }
 
-impl Bench {
+impl InterlockBench {
     /// The clamp at home and open, with `generation` in common with the others, which stand clear of it.
     pub fn new(line: Line, generation: u64) -> Self {
-        Bench::standing(line, generation, &["LS_open"])
+        InterlockBench::standing(line, generation, &["LS_open"])
     }
 
     fn standing(line: Line, generation: u64, on: &[&str]) -> Self {
-        let mut bench = Bench {
+        let mut bench = InterlockBench {
             clamp: Controller::new(&line, CLAMP, 1, Restore::Fresh).expect("it compiles"),
             now: Tick::from_millis(1000),
             order: ModeOrder {
@@ -141,8 +141,8 @@ fn report(line: &Line, station: StationId, on: &[&str], generation: u64) -> Stat
 }
 
 /// Half-way to closed, and the bar has come off its switch: neither is clear of the other.
-fn both_inside() -> Bench {
-    let mut bench = Bench::new(transfer_line(), GENERATION);
+fn both_inside() -> InterlockBench {
+    let mut bench = InterlockBench::new(transfer_line(), GENERATION);
     bench.mode(ControlMode::Manual);
     bench.press(PanelCommand::Advance);
     assert!(bench.drives(bench.closing()), "{}", bench.blocked());
@@ -153,7 +153,7 @@ fn both_inside() -> Bench {
     bench
 }
 
-fn lamp(bench: &Bench) -> u128 {
+fn lamp(bench: &InterlockBench) -> u128 {
     let operation = bench.line.operation((CLAMP, bench.op("advance clamp")));
     operation.normal.lamp.map_or(0, |lamp| 1 << lamp.0)
 }
@@ -180,7 +180,7 @@ fn of_two_inside_the_one_that_leaves_moves_while_the_other_stands() {
 /// At the end of an operation what is in the way of *return* is no reason why the operation itself waits.
 #[test]
 fn what_is_in_the_way_of_return_is_named_as_undoing() {
-    let mut bench = Bench::new(transfer_line(), GENERATION);
+    let mut bench = InterlockBench::new(transfer_line(), GENERATION);
     bench.mode(ControlMode::Manual);
     bench.press(PanelCommand::Advance);
     bench.set(&["LS_closed"]);
@@ -205,7 +205,7 @@ fn a_conflict_that_no_switch_measures_blocks_what_a_lost_memory_may_run_into() {
     (line.conflicts[0].a.from, line.conflicts[0].a.until) = (from, until);
     assert!(line.clearance(&line.conflicts[0].a).is_err() && line.conflicts[0].a.station == BAR);
     // Away from home and without a memory; its home motion is the one that opens it.
-    let mut bench = Bench::standing(line.clone(), 0, &["LS_closed"]);
+    let mut bench = InterlockBench::standing(line.clone(), 0, &["LS_closed"]);
     bench.mode(ControlMode::Manual);
     bench.bar_has(&[], false);
     bench.press(PanelCommand::Advance);
@@ -217,7 +217,7 @@ fn a_conflict_that_no_switch_measures_blocks_what_a_lost_memory_may_run_into() {
     bench.bar_has(&[], false);
     assert!(!bench.drives(bench.opening()), "the bar moves, and no switch says where");
     // At home without a memory: nothing stands in for the counts, not even of the mill, whose conflict is measured.
-    let mut bench = Bench::new(line, 0);
+    let mut bench = InterlockBench::new(line, 0);
     bench.mode(ControlMode::Manual);
     bench.press(PanelCommand::Advance);
     assert!(!bench.drives(bench.closing()), "into it");
@@ -226,12 +226,12 @@ fn a_conflict_that_no_switch_measures_blocks_what_a_lost_memory_may_run_into() {
 
 #[test]
 fn a_hand_mode_motion_that_was_let_go_is_not_taken_up_while_the_other_is_unknown() {
-    let mut bench = Bench::new(transfer_line(), GENERATION);
+    let mut bench = InterlockBench::new(transfer_line(), GENERATION);
     // The bar has lowered the part of the first cycle.
     (bench.bar.cycle, bench.bar.done) = (1, vec![1; 10]);
     bench.mode(ControlMode::Hand);
     let button = bench.line.operation((CLAMP, bench.op("advance clamp"))).hand.forward();
-    let hold = |bench: &mut Bench, held: bool| {
+    let hold = |bench: &mut InterlockBench, held: bool| {
         bench.order.buttons = if held { 1 << button.0 } else { 0 };
         bench.play();
     };
@@ -251,7 +251,7 @@ fn a_hand_mode_motion_that_was_let_go_is_not_taken_up_while_the_other_is_unknown
 
 #[test]
 fn a_station_whose_axis_has_left_its_switch_is_rejoined_where_it_is() {
-    let mut bench = Bench::new(transfer_line(), GENERATION);
+    let mut bench = InterlockBench::new(transfer_line(), GENERATION);
     let home = bench.op("return clamp");
     assert_eq!(
         bench.clamp.handle(bench.now, StationInput::Rejoin(RejoinAt::Within(home))),
@@ -293,8 +293,8 @@ fn a_restart_does_not_make_known_where_a_station_stands() {
     // Outside this state the clamp moves, so none of its switches measures it; the bar's do.
     (line.conflicts[0].b.from, line.conflicts[0].b.until) = (advance, advance);
     assert!(line.clearance(&line.conflicts[0].b).is_err() && line.clearance(&line.conflicts[0].a).is_ok());
-    let mut bench = Bench::standing(line, 0, &[]);
-    let opens = |bench: &mut Bench| {
+    let mut bench = InterlockBench::standing(line, 0, &[]);
+    let opens = |bench: &mut InterlockBench| {
         bench.mode(ControlMode::Manual);
         bench.bar_has(&[], true);
         bench.press(PanelCommand::Advance);

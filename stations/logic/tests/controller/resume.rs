@@ -5,7 +5,7 @@ use linewright_line::{OpId, StationId};
 use linewright_station_logic::PanelCommand;
 use linewright_testkit::built::{alone, beside, complete_bit, i, r, transfer_line};
 
-use super::interlock::{BAR, Bench, GENERATION, MILL};
+use super::interlock::{BAR, GENERATION, InterlockBench, MILL};
 use super::rig::Rig;
 
 /// In manual, stopped in the middle of its second operation.
@@ -171,8 +171,8 @@ fn operations_side_by_side_go_on_together_and_one_that_is_done_stays() {
 }
 
 /// The clamp was stopped half-way to closed; the bar and the mill stand outside.
-fn clamp_half_way() -> Bench {
-    let mut bench = Bench::new(transfer_line(), GENERATION);
+fn clamp_half_way() -> InterlockBench {
+    let mut bench = InterlockBench::new(transfer_line(), GENERATION);
     bench.mode(ControlMode::Manual);
     bench.press(PanelCommand::Advance);
     bench.set(&[]);
@@ -186,7 +186,7 @@ fn clamp_half_way() -> Bench {
     bench
 }
 
-fn resumes(bench: &mut Bench) -> bool {
+fn resumes(bench: &mut InterlockBench) -> bool {
     for held in [false, true] {
         bench.order.resume = held;
         bench.play();
@@ -197,8 +197,9 @@ fn resumes(bench: &mut Bench) -> bool {
 #[test]
 fn inside_its_state_of_a_conflict_it_goes_on_only_while_the_other_is_outside_by_its_marking_too() {
     assert!(resumes(&mut clamp_half_way()));
-    let first_lift = |bench: &Bench| bench.line.station(BAR).operation_named("1st lift").expect("the bar has it");
-    let bar_at = |bench: &mut Bench, place: StationPlace| {
+    let first_lift =
+        |bench: &InterlockBench| bench.line.station(BAR).operation_named("1st lift").expect("the bar has it");
+    let bar_at = |bench: &mut InterlockBench, place: StationPlace| {
         bench.bar.places.fill(0);
         bench.bar.places[place.op.index()] = place.number();
     };

@@ -5,9 +5,9 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{Handled, Ignored, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply};
 
-use super::bench::{Bench, key, order};
+use super::bench::{OrderBench, key, order};
 
-fn refused(m1: &mut Bench, order: &TaskOrder) -> TaskRefusal {
+fn refused(m1: &mut OrderBench, order: &TaskOrder) -> TaskRefusal {
     let before = (m1.marking(), m1.outputs, m1.slot());
     match m1.run(order) {
         TaskReply::Refused(refusal) => {
@@ -20,7 +20,7 @@ fn refused(m1: &mut Bench, order: &TaskOrder) -> TaskRefusal {
 
 #[test]
 fn an_order_told_again_is_answered_with_what_there_is_and_not_done_again() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     let clamp = order(1, "clamp");
     assert_eq!(m1.run(&clamp), TaskReply::Running);
     assert_eq!(m1.run(&clamp), TaskReply::Running);
@@ -34,7 +34,7 @@ fn an_order_told_again_is_answered_with_what_there_is_and_not_done_again() {
 
 #[test]
 fn what_is_refused_for_now_is_taken_on_later() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.run(&order(1, "clamp"));
     assert_eq!(refused(&mut m1, &order(2, "release")), TaskRefusal::Busy);
     m1.arrive();
@@ -50,14 +50,14 @@ fn what_is_refused_for_now_is_taken_on_later() {
 
 #[test]
 fn a_lease_that_has_run_out_is_no_auto() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.now = m1.now + Duration::from_secs(1);
     assert_eq!(refused(&mut m1, &order(1, "clamp")), TaskRefusal::Mode);
 }
 
 #[test]
 fn what_is_refused_for_good_stays_refused_when_the_reason_has_gone() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     let release = order(1, "release");
     assert_eq!(refused(&mut m1, &release), TaskRefusal::NotThere);
     m1.done(&order(2, "clamp"));
@@ -73,7 +73,7 @@ fn what_is_refused_for_good_stays_refused_when_the_reason_has_gone() {
 
 #[test]
 fn an_order_of_an_earlier_life_or_an_older_one_is_refused() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.done(&order(4, "clamp"));
     assert_eq!(refused(&mut m1, &order(3, "release")), TaskRefusal::Old);
     let mut next = order(5, "release");
@@ -88,7 +88,7 @@ fn an_order_of_an_earlier_life_or_an_older_one_is_refused() {
 
 #[test]
 fn of_an_order_it_no_longer_knows_it_says_that_it_has_had_it() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     for round in 0..9 {
         m1.done(&order(2 * round + 1, "clamp"));
         m1.done(&order(2 * round + 2, "release"));
@@ -100,7 +100,7 @@ fn of_an_order_it_no_longer_knows_it_says_that_it_has_had_it() {
 
 #[test]
 fn a_task_or_a_number_that_is_not_there_is_refused_and_none_is_guessed() {
-    let mut m1 = Bench::clamped();
+    let mut m1 = OrderBench::clamped();
     let with = |id, parameters: &[(&str, i32)]| TaskOrder {
         parameters: parameters.iter().map(|(name, value)| ((*name).into(), *value)).collect(),
         ..order(id, "machine")
@@ -123,7 +123,7 @@ fn a_task_or_a_number_that_is_not_there_is_refused_and_none_is_guessed() {
 
 #[test]
 fn an_order_heard_when_its_time_is_over_is_not_begun() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     let late = TaskOrder { limit: Duration::ZERO, ..order(1, "clamp") };
     assert_eq!(refused(&mut m1, &late), TaskRefusal::Late);
     assert_eq!(refused(&mut m1, &order(1, "clamp")), TaskRefusal::Late, "nor a copy that claims to have time");
@@ -131,7 +131,7 @@ fn an_order_heard_when_its_time_is_over_is_not_begun() {
 
 #[test]
 fn after_a_fault_it_takes_nothing_on_until_somebody_has_been_there() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.arrive();
     m1.set("F_mill", true);
     assert_eq!(m1.result(key(1, 2)), Some(TaskOutcome::Failed(TaskFailure::Fault)));

@@ -6,11 +6,11 @@ use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{Restore, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply};
 
-use super::bench::{Bench, MEMORY, ended, key, order};
+use super::bench::{MEMORY, OrderBench, ended, key, order};
 
 #[test]
 fn told_to_go_back_it_ends_the_motion_and_takes_the_task_back() {
-    let mut m1 = Bench::clamped();
+    let mut m1 = OrderBench::clamped();
     m1.events();
     m1.run(&order(2, "machine"));
     assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
@@ -28,7 +28,7 @@ fn told_to_go_back_it_ends_the_motion_and_takes_the_task_back() {
 
 #[test]
 fn what_cannot_be_taken_back_it_stays_with() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.arrive();
     assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
     m1.arrive();
@@ -40,7 +40,7 @@ fn what_cannot_be_taken_back_it_stays_with() {
 
 #[test]
 fn told_in_the_last_motion_it_has_done_the_task_all_the_same() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.run(&order(1, "clamp"));
     m1.secure(key(1, 1));
     m1.arrive();
@@ -51,7 +51,7 @@ fn told_in_the_last_motion_it_has_done_the_task_all_the_same() {
 
 #[test]
 fn told_before_it_has_begun_it_does_not_begin() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.set("part_present", false);
     m1.run(&order(1, "clamp"));
     m1.events();
@@ -63,7 +63,7 @@ fn told_before_it_has_begun_it_does_not_begin() {
 
 #[test]
 fn told_before_the_order_itself_it_does_not_take_it_on_when_it_comes() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     assert_eq!(m1.secure(key(1, 1)), ended(TaskFailure::Cancelled));
     assert_eq!(m1.run(&order(1, "clamp")), ended(TaskFailure::Cancelled));
     assert_eq!(m1.outputs, 0);
@@ -77,7 +77,7 @@ fn told_before_the_order_itself_it_does_not_take_it_on_when_it_comes() {
 
 #[test]
 fn when_its_time_is_over_it_goes_back_and_the_order_ends_when_it_stands() {
-    let mut m1 = Bench::clamped();
+    let mut m1 = OrderBench::clamped();
     let short = TaskOrder { limit: Duration::from_millis(500), ..order(2, "machine") };
     m1.run(&short);
     m1.wait(Duration::from_millis(500));
@@ -100,7 +100,7 @@ fn when_its_time_is_over_it_goes_back_and_the_order_ends_when_it_stands() {
 #[test]
 fn given_up_by_its_own_clock_or_by_another_it_fails_with_what_it_waited_for() {
     for told in [false, true] {
-        let mut m1 = Bench::new();
+        let mut m1 = OrderBench::new();
         m1.set("part_present", false);
         let short = TaskOrder { limit: Duration::from_millis(500), ..order(1, "clamp") };
         m1.run(&short);
@@ -111,7 +111,7 @@ fn given_up_by_its_own_clock_or_by_another_it_fails_with_what_it_waited_for() {
 
 #[test]
 fn it_goes_back_in_auto_alone_and_not_without_its_devices() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.mode(ControlMode::StandBy);
     m1.arrive();
     m1.secure(key(1, 2));
@@ -125,7 +125,7 @@ fn it_goes_back_in_auto_alone_and_not_without_its_devices() {
 
 #[test]
 fn a_fault_on_the_way_back_ends_it() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.secure(key(1, 2));
     m1.arrive();
     m1.wait(Duration::from_secs(3));
@@ -138,7 +138,7 @@ fn a_fault_on_the_way_back_ends_it() {
 /// The robot of the same description: a task of five operations, all of which can be taken back.
 #[test]
 fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin() {
-    let mut robot = Bench::standing(StationId(1), Restore::Fresh, MEMORY, &["A_0", "G_0"]);
+    let mut robot = OrderBench::standing(StationId(1), Restore::Fresh, MEMORY, &["A_0", "G_0"]);
     robot.mode(ControlMode::Auto);
     robot.run(&order(1, "load m1"));
     // To the store, grasp, carry to m1. The machine never reports that it has clamped.

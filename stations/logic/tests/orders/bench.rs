@@ -17,13 +17,13 @@ const BASE: &str = include_str!("../../../../model/line/tests/descriptions/task_
 /// The memory of the station's first life.
 pub const MEMORY: u64 = 7;
 
-pub struct Bench {
+pub struct OrderBench {
     rig: Rig,
     /// The last task command was not ignored.
     pub is_taken: bool,
 }
 
-impl Deref for Bench {
+impl Deref for OrderBench {
     type Target = Rig;
 
     fn deref(&self) -> &Rig {
@@ -31,7 +31,7 @@ impl Deref for Bench {
     }
 }
 
-impl DerefMut for Bench {
+impl DerefMut for OrderBench {
     fn deref_mut(&mut self) -> &mut Rig {
         &mut self.rig
     }
@@ -55,10 +55,10 @@ pub fn ended(failure: TaskFailure) -> TaskReply {
     TaskReply::Ended(TaskOutcome::Failed(failure))
 }
 
-impl Bench {
+impl OrderBench {
     /// The machine at home, in auto, with a part in front of the clamp.
     pub fn new() -> Self {
-        let mut bench = Bench::of(Restore::Fresh, MEMORY);
+        let mut bench = OrderBench::of(Restore::Fresh, MEMORY);
         bench.mode(ControlMode::Auto);
         bench.set("part_present", true);
         bench.events();
@@ -67,20 +67,20 @@ impl Bench {
 
     /// The machine holds the part, by order 1.
     pub fn clamped() -> Self {
-        let mut bench = Bench::new();
+        let mut bench = OrderBench::new();
         bench.done(&order(1, "clamp"));
         bench
     }
 
     /// On its way in with the part, by order 2.
     pub fn machining() -> Self {
-        let mut bench = Bench::clamped();
+        let mut bench = OrderBench::clamped();
         bench.run(&order(2, "machine"));
         bench
     }
 
     pub fn of(restore: Restore, boot_id: u64) -> Self {
-        Bench::standing(StationId(0), restore, boot_id, &["C_0", "L_0"])
+        OrderBench::standing(StationId(0), restore, boot_id, &["C_0", "L_0"])
     }
 
     /// The machine by itself, which judges measured positions, with these inputs on.
@@ -88,7 +88,7 @@ impl Bench {
         let line = parse("task_driven.toml", BASE).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         let names = line.station(StationId(0)).inputs.iter().enumerate();
         let image = names.filter(|(_, name)| on.contains(&name.as_str())).fold(0, |bits, (bit, _)| bits | 1 << bit);
-        Bench { rig: Rig::alone(line, StationId(0), restore, image), is_taken: true }
+        OrderBench { rig: Rig::alone(line, StationId(0), restore, image), is_taken: true }
     }
 
     /// A station of the description with these inputs on.
@@ -96,7 +96,7 @@ impl Bench {
         let line = parse("task_driven.toml", BASE).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         let names = line.station(station).inputs.iter().enumerate();
         let image = names.filter(|(_, name)| on.contains(&name.as_str())).fold(0, |bits, (bit, _)| bits | 1 << bit);
-        Bench { rig: Rig::standing(line, station, boot_id, restore, image), is_taken: true }
+        OrderBench { rig: Rig::standing(line, station, boot_id, restore, image), is_taken: true }
     }
 
     fn input(&self, name: &str) -> u128 {
@@ -232,7 +232,7 @@ impl Bench {
     }
 
     fn restarted(&self, snapshot: StationSnapshot, boot_id: u64) -> Self {
-        let mut bench = Bench::of(Restore::From(snapshot), boot_id);
+        let mut bench = OrderBench::of(Restore::From(snapshot), boot_id);
         (bench.now, bench.image) = (self.now, self.image);
         bench.refresh();
         bench

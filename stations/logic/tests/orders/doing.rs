@@ -5,11 +5,11 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{TaskFailure, TaskOutcome, TaskReply};
 
-use super::bench::{Bench, key, order};
+use super::bench::{OrderBench, key, order};
 
 #[test]
 fn a_task_is_done_from_rest_to_rest_and_then_nothing_more_happens() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     assert_eq!(m1.rest().as_deref(), Some("open"));
     assert_eq!(m1.run(&order(1, "clamp")), TaskReply::Running);
     assert_eq!((m1.on(), m1.rest(), m1.slot()), (vec!["Y_close"], None, Some(key(1, 1))));
@@ -26,7 +26,7 @@ fn a_task_is_done_from_rest_to_rest_and_then_nothing_more_happens() {
 
 #[test]
 fn the_parameters_are_on_while_the_task_is_done_and_not_longer() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     for motion in ["Y_in", "Y_mill", "Y_out"] {
         assert_eq!(m1.on(), [motion, "prog_1", "prog_4"]);
         m1.arrive();
@@ -36,7 +36,7 @@ fn the_parameters_are_on_while_the_task_is_done_and_not_longer() {
 
 #[test]
 fn a_task_that_ends_where_it_begins_is_done_once_for_each_order() {
-    let mut m1 = Bench::clamped();
+    let mut m1 = OrderBench::clamped();
     for id in 2..5 {
         m1.done(&order(id, "machine"));
         assert_eq!(m1.outputs, 0, "it does not begin again");
@@ -50,7 +50,7 @@ fn a_task_that_ends_where_it_begins_is_done_once_for_each_order() {
 
 #[test]
 fn nothing_starts_before_what_it_waits_for_is_there_and_the_code_says_so_if_it_never_comes() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.set("part_present", false);
     assert_eq!(m1.run(&order(1, "clamp")), TaskReply::Running);
     assert_eq!(m1.outputs, 0);
@@ -72,7 +72,7 @@ fn nothing_starts_before_what_it_waits_for_is_there_and_the_code_says_so_if_it_n
 
 #[test]
 fn the_time_of_the_description_counts_where_the_order_leaves_more() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.set("part_present", false);
     let mut long = order(1, "clamp");
     long.limit = Duration::from_secs(3600);
@@ -85,7 +85,7 @@ fn the_time_of_the_description_counts_where_the_order_leaves_more() {
 
 #[test]
 fn in_stand_by_the_motion_ends_and_the_task_goes_on_in_auto() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.mode(ControlMode::StandBy);
     m1.arrive();
     assert_eq!((m1.doing(), m1.on()), ("slide in (done)".to_owned(), vec!["prog_1", "prog_4"]));
@@ -95,7 +95,7 @@ fn in_stand_by_the_motion_ends_and_the_task_goes_on_in_auto() {
 
 #[test]
 fn master_stop_lets_a_task_end_and_takes_no_other_on() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.run(&order(1, "clamp"));
     m1.master_stop(true);
     m1.arrive();

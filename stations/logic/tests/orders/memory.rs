@@ -3,11 +3,11 @@
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{Controller, PanelCommand, Restore, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 
-use super::bench::{Bench, MEMORY, ended, key, order};
+use super::bench::{MEMORY, OrderBench, ended, key, order};
 
 #[test]
 fn killed_in_a_motion_it_has_ended_the_order_and_says_so() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.run(&order(1, "clamp"));
     let mut again = m1.killed(8);
     assert_eq!((again.doing().as_str(), again.outputs), ("clamp close (stopped)", 0));
@@ -19,7 +19,7 @@ fn killed_in_a_motion_it_has_ended_the_order_and_says_so() {
 
 #[test]
 fn killed_before_it_has_begun_it_does_not_begin() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.set("part_present", false);
     m1.run(&order(1, "clamp"));
     let mut again = m1.killed(8);
@@ -32,7 +32,7 @@ fn killed_before_it_has_begun_it_does_not_begin() {
 
 #[test]
 fn killed_after_its_last_motion_it_keeps_what_it_has_said() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.wait(std::time::Duration::from_millis(2_500));
     m1.arrive();
     m1.arrive();
@@ -45,7 +45,7 @@ fn killed_after_its_last_motion_it_keeps_what_it_has_said() {
 
 #[test]
 fn what_it_has_had_and_what_it_has_refused_it_still_knows() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     let release = order(1, "release");
     assert_eq!(m1.run(&release), TaskReply::Refused(TaskRefusal::NotThere));
     m1.done(&order(2, "clamp"));
@@ -60,8 +60,8 @@ fn what_it_has_had_and_what_it_has_refused_it_still_knows() {
 
 #[test]
 fn without_its_memory_it_takes_no_order_that_was_meant_for_it() {
-    let m1 = Bench::new();
-    let mut fresh = Bench::of(Restore::Fresh, 8);
+    let m1 = OrderBench::new();
+    let mut fresh = OrderBench::of(Restore::Fresh, 8);
     fresh.mode(ControlMode::Auto);
     fresh.set("part_present", true);
     assert_eq!((m1.orders().memory, fresh.orders().memory), (7, 8));
@@ -72,7 +72,7 @@ fn without_its_memory_it_takes_no_order_that_was_meant_for_it() {
 
 #[test]
 fn a_snapshot_of_any_length_is_taken_and_no_longer_than_it_may_be_afterwards() {
-    let m1 = Bench::new();
+    let m1 = OrderBench::new();
     let mut snapshot = m1.controller.snapshot();
     let orders = snapshot.order.as_mut().expect("it is task-driven");
     orders.results = (1..100).map(|id| (key(1, id), TaskReply::Ended(TaskOutcome::Done))).collect();
@@ -88,7 +88,7 @@ fn a_snapshot_of_any_length_is_taken_and_no_longer_than_it_may_be_afterwards() {
 #[test]
 fn numbers_begin_anew_with_a_later_epoch() {
     let of = |epoch, id, task| linewright_station_logic::TaskOrder { key: key(epoch, id), ..order(id, task) };
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.mode(ControlMode::Auto);
     m1.set("part_present", true);
     m1.done(&of(1, 40, "clamp"));
@@ -106,7 +106,7 @@ fn numbers_begin_anew_with_a_later_epoch() {
 #[test]
 fn a_message_to_leave_an_order_of_any_epoch_keeps_no_other_order_out() {
     for epoch in [2, 1 << 29, u64::MAX] {
-        let mut m1 = Bench::clamped();
+        let mut m1 = OrderBench::clamped();
         m1.secure(key(epoch, 7));
         assert_eq!(m1.is_taken, epoch != u64::MAX, "what is of no coordinator's life is ignored, and told");
         assert_eq!(m1.orders().epoch, 1);
@@ -119,7 +119,7 @@ fn a_message_to_leave_an_order_of_any_epoch_keeps_no_other_order_out() {
 
 #[test]
 fn an_order_of_an_epoch_far_ahead_is_not_taken_on() {
-    let mut m1 = Bench::clamped();
+    let mut m1 = OrderBench::clamped();
     let far = linewright_station_logic::TaskOrder { key: key(u64::MAX, 1), ..order(1, "release") };
     assert_eq!(m1.run(&far), TaskReply::Refused(TaskRefusal::OtherMemory));
     assert!(!m1.is_taken);
@@ -128,7 +128,7 @@ fn an_order_of_an_epoch_far_ahead_is_not_taken_on() {
 
 #[test]
 fn killed_after_it_was_told_to_leave_an_order_it_does_not_go_back_on_a_late_copy_of_that() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.mode(ControlMode::Manual);
     m1.through(PanelCommand::Advance(true));
     m1.secure(key(1, 2));

@@ -6,11 +6,11 @@ use linewright_line::{OpId, StationId};
 use linewright_station_logic::PanelCommand::{Advance, Retract};
 use linewright_station_logic::{Restore, TaskFailure, TaskOutcome, TaskReply};
 
-use super::bench::{Bench, MEMORY, ended, key, order};
+use super::bench::{MEMORY, OrderBench, ended, key, order};
 
 #[test]
 fn a_fault_ends_the_order_with_its_code_and_leaves_the_station_where_it_is() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.run(&order(1, "clamp"));
     m1.wait(std::time::Duration::from_secs(3));
     assert_eq!(m1.doing(), "clamp close (stopped)");
@@ -23,7 +23,7 @@ fn a_fault_ends_the_order_with_its_code_and_leaves_the_station_where_it_is() {
 #[test]
 fn in_every_mode_in_which_people_move_it_an_order_is_over() {
     for mode in [ControlMode::Hand, ControlMode::Manual, ControlMode::EStop] {
-        let mut m1 = Bench::machining();
+        let mut m1 = OrderBench::machining();
         m1.mode(mode);
         assert_eq!(m1.result(key(1, 2)), Some(TaskOutcome::Failed(TaskFailure::Interrupted)), "{mode}");
         assert!(m1.on().iter().all(|output| !output.starts_with("prog")), "{mode}");
@@ -34,7 +34,7 @@ fn in_every_mode_in_which_people_move_it_an_order_is_over() {
 
 #[test]
 fn led_to_the_end_by_hand_the_order_has_failed_all_the_same() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.run(&order(1, "clamp"));
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
@@ -46,7 +46,7 @@ fn led_to_the_end_by_hand_the_order_has_failed_all_the_same() {
 
 #[test]
 fn taken_back_at_the_panel_it_stands_where_the_task_began_and_any_task_can_begin() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.mode(ControlMode::Manual);
     m1.hold(&[Retract(true)]);
     m1.hold(&[]);
@@ -62,7 +62,7 @@ fn taken_back_at_the_panel_it_stands_where_the_task_began_and_any_task_can_begin
 
 #[test]
 fn where_it_was_left_between_two_operations_it_can_be_told_to_go_back() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
     assert_eq!(m1.doing(), "slide in (done)");
@@ -77,7 +77,7 @@ fn where_it_was_left_between_two_operations_it_can_be_told_to_go_back() {
 
 #[test]
 fn told_to_go_back_while_people_move_it_it_does_not_go_back_later_on_a_copy_of_that() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
     let interrupted = ended(TaskFailure::Interrupted);
@@ -89,7 +89,7 @@ fn told_to_go_back_while_people_move_it_it_does_not_go_back_later_on_a_copy_of_t
 
 #[test]
 fn once_it_has_rested_after_its_order_it_does_not_go_back_from_where_people_lead_it_since() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.mode(ControlMode::Manual);
     m1.hold(&[Retract(true)]);
     m1.hold(&[]);
@@ -103,7 +103,7 @@ fn once_it_has_rested_after_its_order_it_does_not_go_back_from_where_people_lead
 
 #[test]
 fn from_an_order_that_it_never_had_it_does_not_go_back() {
-    let mut m1 = Bench::clamped();
+    let mut m1 = OrderBench::clamped();
     m1.mode(ControlMode::Hand);
     m1.press("PB_run");
     m1.release();
@@ -119,7 +119,7 @@ fn from_an_order_that_it_never_had_it_does_not_go_back() {
 
 #[test]
 fn left_on_a_recovery_path_it_has_nothing_to_go_back_by_and_is_not_at_its_order_for_ever() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.arrive();
     m1.mode(ControlMode::Manual);
     m1.through(Retract(true));
@@ -131,7 +131,7 @@ fn left_on_a_recovery_path_it_has_nothing_to_go_back_by_and_is_not_at_its_order_
 
 #[test]
 fn a_fault_of_an_irreversible_operation_is_left_along_its_path_to_the_rest_of_its_task() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.arrive();
     m1.set("F_mill", true);
     m1.set("F_mill", false);
@@ -152,7 +152,7 @@ fn a_fault_of_an_irreversible_operation_is_left_along_its_path_to_the_rest_of_it
 
 #[test]
 fn in_hand_mode_each_task_has_its_button() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.mode(ControlMode::Hand);
     assert_eq!(m1.blocked_by(), ["a button: PB_close for clamp"]);
     m1.press("PB_close");
@@ -176,7 +176,7 @@ fn in_hand_mode_each_task_has_its_button() {
 
 #[test]
 fn in_hand_mode_nothing_starts_before_what_it_waits_for_is_there() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.set("part_present", false);
     m1.mode(ControlMode::Hand);
     m1.press("PB_close");
@@ -190,7 +190,7 @@ fn in_hand_mode_nothing_starts_before_what_it_waits_for_is_there() {
 /// Advance is held once too often easily: it ends what was begun, and out of a rest a task is chosen.
 #[test]
 fn the_panel_leads_a_task_to_its_rest_and_begins_none() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.mode(ControlMode::Manual);
     for doing in ["slide in", "mill", "slide out"] {
         m1.hold(&[Advance(true)]);
@@ -212,7 +212,7 @@ fn the_panel_leads_a_task_to_its_rest_and_begins_none() {
 
 #[test]
 fn the_panel_takes_a_task_back_to_its_rest_and_none_that_is_done() {
-    let mut m1 = Bench::machining();
+    let mut m1 = OrderBench::machining();
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
     assert_eq!(m1.doing(), "slide in (done)");
@@ -240,7 +240,7 @@ fn the_panel_takes_a_task_back_to_its_rest_and_none_that_is_done() {
 /// What a motion waits for is named first, with where it is wired, at the panel and by hand button alike.
 #[test]
 fn an_input_that_holds_a_motion_is_named_in_hand_and_in_manual() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.run(&order(1, "clamp"));
     m1.mode(ControlMode::Manual);
     m1.hold(&[Retract(true)]);
@@ -259,7 +259,7 @@ fn an_input_that_holds_a_motion_is_named_in_hand_and_in_manual() {
 /// A sequence is taken back from its end, and a task that was taken back is led on to the rest: what waits for a button says so.
 #[test]
 fn what_a_button_does_not_do_within_a_sequence_is_named() {
-    let mut robot = Bench::standing(StationId(1), Restore::Fresh, MEMORY, &["A_0", "G_0"]);
+    let mut robot = OrderBench::standing(StationId(1), Restore::Fresh, MEMORY, &["A_0", "G_0"]);
     robot.mode(ControlMode::Hand);
     robot.press("PB_load");
     robot.release();
@@ -274,7 +274,7 @@ fn what_a_button_does_not_do_within_a_sequence_is_named() {
                   its panel in manual)";
     assert_eq!(robot.blocked_by(), [midway]);
 
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.mode(ControlMode::Hand);
     m1.press("PB_close");
     m1.arrive();

@@ -9,7 +9,7 @@ use linewright_station_logic::PanelCommand::{Advance, Retract};
 use linewright_station_logic::{OrderKey, TaskOrder, TaskOutcome, TaskReply};
 use proptest::prelude::*;
 
-use super::bench::{Bench, MEMORY, key, order};
+use super::bench::{MEMORY, OrderBench, key, order};
 
 #[derive(Clone, Debug)]
 enum Act {
@@ -64,7 +64,7 @@ impl Ledger {
     }
 
     /// The station's reports fit to those before.
-    fn looks(&mut self, m1: &mut Bench) -> Result<(), TestCaseError> {
+    fn looks(&mut self, m1: &mut OrderBench) -> Result<(), TestCaseError> {
         let orders = m1.orders();
         for &(key, outcome) in &orders.results {
             self.hears(key, TaskReply::Ended(outcome))?;
@@ -109,7 +109,7 @@ proptest! {
 
     #[test]
     fn no_order_is_done_twice_and_no_end_is_taken_back(acts in prop::collection::vec(act(), 1..120)) {
-        let mut m1 = Bench::new();
+        let mut m1 = OrderBench::new();
         let mut ledger = Ledger::default();
         let (mut newest, mut boots) = (0u64, 100u64);
         for act in acts {

@@ -4,17 +4,17 @@ use linewright_line::net::ControlMode;
 use linewright_station_logic::PanelCommand::Advance;
 use linewright_station_logic::{Handled, Ignored, RejoinAt, Restore, StationInput};
 
-use super::bench::{Bench, order};
+use super::bench::{OrderBench, order};
 
 /// By its journal it holds a part; its switches are these.
-fn clamped_by_its_journal(on: &[&str]) -> Bench {
-    let kept = Bench::clamped().controller.snapshot();
-    let mut m1 = Bench::measured(Restore::From(kept), on);
+fn clamped_by_its_journal(on: &[&str]) -> OrderBench {
+    let kept = OrderBench::clamped().controller.snapshot();
+    let mut m1 = OrderBench::measured(Restore::From(kept), on);
     m1.mode(ControlMode::Manual);
     m1
 }
 
-fn rejoin(m1: &mut Bench, at: RejoinAt) -> Handled {
+fn rejoin(m1: &mut OrderBench, at: RejoinAt) -> Handled {
     let now = m1.now;
     let handled = m1.controller.handle(now, StationInput::Rejoin(at));
     m1.refresh();
@@ -40,12 +40,12 @@ fn the_one_rest_that_its_switches_fit_is_confirmed_and_tasks_begin_there() {
     m1.done(&order(2, "clamp"));
     // The counts of its record are those of a station that it is taken for again.
     let kept = m1.controller.snapshot();
-    assert_eq!(Bench::measured(Restore::From(kept), &["C_60", "L_0"]).fault(), "");
+    assert_eq!(OrderBench::measured(Restore::From(kept), &["C_60", "L_0"]).fault(), "");
 }
 
 #[test]
 fn without_its_journal_it_is_confirmed_where_it_stands() {
-    let mut m1 = Bench::measured(Restore::Fresh, &["C_60", "L_0"]);
+    let mut m1 = OrderBench::measured(Restore::Fresh, &["C_60", "L_0"]);
     m1.mode(ControlMode::Manual);
     let waits = m1.blocked_by().join("\n");
     assert!(waits.contains("no valid journal; by its switches it stands at rest `clamped`"), "{waits}");
@@ -56,7 +56,7 @@ fn without_its_journal_it_is_confirmed_where_it_stands() {
 #[test]
 fn a_named_rest_is_taken_if_its_switches_fit_it_and_a_known_position_not_at_all() {
     let mut m1 = clamped_by_its_journal(&["C_0", "L_0"]);
-    let rest = |m1: &Bench, name| RejoinAt::Rest(m1.line.station(m1.station).rest_named(name).expect("it is one"));
+    let rest = |m1: &OrderBench, name| RejoinAt::Rest(m1.line.station(m1.station).rest_named(name).expect("it is one"));
     let (open, clamped) = (rest(&m1, "open"), rest(&m1, "clamped"));
     assert_eq!(rejoin(&mut m1, clamped), Handled::Ignored(Ignored::PositionUnclear));
     assert!(rejoin(&mut m1, open).is_taken());

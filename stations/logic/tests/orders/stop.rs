@@ -5,11 +5,11 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{OrderRules, PanelCommand, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply};
 
-use super::bench::{Bench, ended, key, order};
+use super::bench::{OrderBench, ended, key, order};
 
 /// On its way in with the part, by order 2.
-fn sliding() -> Bench {
-    let mut m1 = Bench::machining();
+fn sliding() -> OrderBench {
+    let mut m1 = OrderBench::machining();
     m1.set("L_0", false);
     m1.events();
     m1
@@ -64,7 +64,7 @@ fn told_to_stop_on_its_way_back_it_stands_there() {
     assert_eq!((m1.outputs, m1.doing().as_str()), (0, "undoing slide in (stopped)"));
 
     // Its own time was over before: that is still why.
-    let mut m1 = Bench::clamped();
+    let mut m1 = OrderBench::clamped();
     m1.run(&TaskOrder { limit: Duration::from_millis(500), ..order(2, "machine") });
     m1.wait(Duration::from_millis(500));
     assert_eq!(m1.stop(key(1, 2)), ended(TaskFailure::TimedOut));
@@ -92,7 +92,7 @@ fn a_stop_is_about_one_order_alone() {
 
 #[test]
 fn told_before_it_has_begun_it_does_not_begin() {
-    let mut m1 = Bench::new();
+    let mut m1 = OrderBench::new();
     m1.set("part_present", false);
     m1.run(&order(1, "clamp"));
     assert_eq!(m1.stop(key(1, 1)), ended(TaskFailure::Waiting(12)));

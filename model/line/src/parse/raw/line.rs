@@ -290,20 +290,3 @@ fn contact() -> KeyKind<RawStop> {
         || Shape::Either(vec![Shape::Text, RawContact::shape()]),
     )
 }
-
-#[cfg(test)]
-mod tests {
-    use linewright_text::Usual;
-
-    use super::*;
-    use crate::Timing;
-
-    #[test]
-    fn the_usual_times_are_those_of_a_timing() {
-        let usual = Timing::default();
-        let times = [usual.refresh, usual.stale, usual.lease, usual.heartbeat, usual.heartbeat_timeout];
-        let times = times.map(|time| Some(Usual::Whole(time.as_millis() as i64)));
-        let described: Vec<_> = RawTiming::keys().iter().map(|key| key.usual).collect();
-        assert_eq!(described, [&times[..], &[None]].concat());
-    }
-}

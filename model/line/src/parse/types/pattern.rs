@@ -89,35 +89,3 @@ pub(super) fn quoted(text: &str) -> String {
 pub(super) fn as_key(text: &str) -> String {
     toml_edit::Key::new(text).to_string()
 }
-
-#[cfg(test)]
-mod tests {
-    use linewright_text::Located;
-
-    use super::*;
-
-    fn read(text: &str) -> (Option<Vec<PatternPart>>, Vec<String>) {
-        let known = ["name", "io"].map(|name| Located::new(name.to_owned(), 0..0));
-        let mut report = Report::default();
-        let parts = parts(text, &(0..1), &known, &mut report);
-        (parts, report.into_problems("f", text).into_vec().into_iter().map(|problem| problem.message).collect())
-    }
-
-    #[test]
-    fn parameters_stand_in_braces() {
-        let words = |words: &str| PatternPart::Words(words.to_owned());
-        assert_eq!(read("plain"), (None, vec![]));
-        assert_eq!(read("{io}"), (Some(vec![PatternPart::Parameter(1)]), vec![]));
-        assert_eq!(
-            read("{name}: close {{{io}}}").0,
-            Some(vec![PatternPart::Parameter(0), words(": close {"), PatternPart::Parameter(1), words("}")])
-        );
-        assert_eq!(read("é{é}").1, ["unknown parameter `{é}` of this type"]);
-        for open in ["{name", "a}b", "{", "}", "{{}"] {
-            assert_eq!(read(open), (None, vec!["a brace without its other half".to_owned()]), "{open}");
-        }
-        for (text, key) in [("P1_up", "P1_up"), ("1.5", "\"1.5\""), ("a b", "\"a b\"")] {
-            assert_eq!(as_key(text), key);
-        }
-    }
-}

@@ -2,10 +2,12 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus_seam::{BusRequest as Asked, Level};
-use linewright_line::{DeviceBus, InputId, Modbus, OutputId, RegisterValue, StationId, Table, WatchdogRegister};
-
-use super::*;
+use linewright_fieldbus_seam::{BusRefusal, BusRequest as Asked, BusTarget, InputImage, Level, News, abort};
+use linewright_line::{
+    Device, DeviceBus, DeviceKind, InputId, Modbus, OutputId, Owner, RegisterValue, StationId, Table, Tick,
+    WatchdogRegister,
+};
+use linewright_modbus::{LinkAct, LinkOutcome, LinkTask, ModbusFailure, ModbusManager, ModbusOutbox, ModbusRequest};
 
 const OWNER: Owner = Owner::Station(StationId(0));
 const OTHER: Owner = Owner::Station(StationId(1));
@@ -76,7 +78,7 @@ impl Station {
     }
 }
 
-struct Bench {
+struct ModbusBench {
     manager: ModbusManager,
     now: Tick,
     out: ModbusOutbox,
@@ -86,10 +88,10 @@ struct Bench {
     news: Vec<News>,
 }
 
-impl Bench {
+impl ModbusBench {
     fn new(devices: &[Device]) -> Self {
         let station = Station { code: 0x401, takes: Duration::from_millis(2), ..Station::default() };
-        Bench {
+        ModbusBench {
             manager: ModbusManager::new(devices),
             now: Tick::from_millis(1000),
             out: ModbusOutbox::default(),
@@ -100,7 +102,7 @@ impl Bench {
     }
 
     fn up() -> Self {
-        let mut bench = Bench::new(&[device("io", OWNER, modbus())]);
+        let mut bench = ModbusBench::new(&[device("io", OWNER, modbus())]);
         bench.run(50);
         assert!(bench.inputs().valid, "{:?}", bench.manager.trouble(bench.now, OWNER));
         bench
@@ -179,7 +181,7 @@ impl Bench {
 
 #[test]
 fn a_device_is_compared_turned_off_and_set_up_before_it_is_used() {
-    let mut bench = Bench::up();
+    let mut bench = ModbusBench::up();
     assert_eq!((bench.stations[0].coils, bench.stations[0].set.as_slice()), (0, &[(17, 300)][..]));
     bench.stations[0].inputs = 0b111;
     bench.set(0b10);
@@ -191,7 +193,7 @@ fn a_device_is_compared_turned_off_and_set_up_before_it_is_used() {
 
 #[test]
 fn the_watchdog_gets_another_number_in_each_cycle() {
-    let mut bench = Bench::up();
+    let mut bench = ModbusBench::up();
     bench.stations[0].fed.clear();
     bench.run(200);
     let fed = &bench.stations[0].fed;
@@ -201,7 +203,7 @@ fn the_watchdog_gets_another_number_in_each_cycle() {
 
 #[test]
 fn outputs_go_off_with_the_next_request_and_not_with_the_next_cycle() {
-    let mut bench = Bench::up();
+    let mut bench = ModbusBench::up();
     bench.set(0b11);
     bench.run(30);
     assert_eq!(bench.stations[0].coils, 0b11);
@@ -218,7 +220,7 @@ fn outputs_go_off_with_the_next_request_and_not_with_the_next_cycle() {
 
 #[test]
 fn a_server_that_is_gone_is_lost_and_tried_again_later_and_later() {
-    let mut bench = Bench::up();
+    let mut bench = ModbusBench::up();
     bench.set(0b01);
     bench.run(1500);
     bench.stations[0].gone = true;
@@ -243,7 +245,7 @@ fn a_server_that_is_gone_is_lost_and_tried_again_later_and_later() {
 
 #[test]
 fn a_server_that_does_not_answer_in_time_is_lost_and_told_to_let_go() {
-    let mut bench = Bench::up();
+    let mut bench = ModbusBench::up();
     bench.set(0b11);
     bench.run(50);
     bench.stations[0].takes = Duration::from_secs(10);
@@ -262,7 +264,7 @@ fn a_server_that_does_not_answer_in_time_is_lost_and_told_to_let_go() {
 
 #[test]
 fn a_slow_server_is_reported_and_used() {
-    let mut bench = Bench::up();
+    let mut bench = ModbusBench::up();
     bench.stations[0].takes = Duration::from_millis(60);
     bench.run(1000);
     assert!(bench.inputs().valid);
@@ -275,7 +277,7 @@ fn a_slow_server_is_reported_and_used() {
 
 #[test]
 fn a_wrong_register_map_is_named_and_nothing_is_started() {
-    let mut bench = Bench::new(&[device("io", OWNER, modbus())]);
+    let mut bench = ModbusBench::new(&[device("io", OWNER, modbus())]);
     bench.stations[0].refuses = Some(2);
     bench.set(0b11);
     bench.run(4000);
@@ -294,7 +296,7 @@ fn a_wrong_register_map_is_named_and_nothing_is_started() {
 
 #[test]
 fn another_device_is_not_started_and_told_nothing() {
-    let mut bench = Bench::new(&[device("io", OWNER, modbus())]);
+    let mut bench = ModbusBench::new(&[device("io", OWNER, modbus())]);
     bench.stations[0].code = 5;
     bench.stations[0].coils = 0b01;
     bench.run(3000);
@@ -304,7 +306,7 @@ fn another_device_is_not_started_and_told_nothing() {
 
 #[test]
 fn an_exception_under_way_loses_the_device() {
-    let mut bench = Bench::up();
+    let mut bench = ModbusBench::up();
     bench.stations[0].refuses = Some(4);
     bench.run(30);
     assert_eq!((bench.inputs().valid, bench.inputs().losses), (false, 1));
@@ -314,7 +316,7 @@ fn an_exception_under_way_loses_the_device() {
 #[test]
 fn one_device_lost_lets_go_of_its_owners_others_and_of_nobody_elses() {
     let devices = [device("a", OWNER, modbus()), device("b", OWNER, modbus()), device("c", OTHER, modbus())];
-    let mut bench = Bench::new(&devices);
+    let mut bench = ModbusBench::new(&devices);
     bench.run(50);
     bench.set(0b11);
     bench.manager.set_outputs(bench.now, OTHER, 0b11, &mut bench.out);
@@ -328,7 +330,7 @@ fn one_device_lost_lets_go_of_its_owners_others_and_of_nobody_elses() {
 
 #[test]
 fn an_orderly_end_lets_go_and_closes() {
-    let mut bench = Bench::up();
+    let mut bench = ModbusBench::up();
     bench.set(0b11);
     bench.run(50);
     bench.manager.release_outputs(&mut bench.out);
@@ -341,7 +343,7 @@ fn an_orderly_end_lets_go_and_closes() {
 
 #[test]
 fn requests_are_answered_and_objects_refused_in_words() {
-    let mut bench = Bench::up();
+    let mut bench = ModbusBench::up();
     bench.set(0b11);
     bench.run(50);
     let io = BusTarget::Device("io".to_owned());
@@ -362,7 +364,7 @@ fn requests_are_answered_and_objects_refused_in_words() {
 
 #[test]
 fn after_a_standstill_nothing_that_was_decided_before_is_written() {
-    let mut bench = Bench::up();
+    let mut bench = ModbusBench::up();
     bench.set(0b11);
     // A device that answers within 2 ms is idle for most of a cycle of 20 ms.
     while bench.stations[0].coils == 0 || !bench.coming.is_empty() {
@@ -386,7 +388,7 @@ fn a_device_whose_watchdog_may_have_run_out_is_lost_before_it_is_written_again()
         watchdog: Some(WatchdogRegister { register: 16, timeout: Duration::from_millis(130) }),
         ..modbus()
     };
-    let mut bench = Bench::new(&[device("io", OWNER, described)]);
+    let mut bench = ModbusBench::new(&[device("io", OWNER, described)]);
     bench.run(50);
     assert!(bench.inputs().valid, "{}", bench.trouble());
     // Three answers of a cycle take longer than the watchdog.
@@ -399,7 +401,7 @@ fn a_device_whose_watchdog_may_have_run_out_is_lost_before_it_is_written_again()
 #[test]
 fn outputs_that_are_not_as_written_lose_a_device_that_is_read_back() {
     for reads_back in [false, true] {
-        let mut bench = Bench::new(&[device("io", OWNER, Modbus { reads_back, ..modbus() })]);
+        let mut bench = ModbusBench::new(&[device("io", OWNER, Modbus { reads_back, ..modbus() })]);
         bench.run(50);
         for image in [0b01, 0b11, 0b10] {
             bench.set(image);

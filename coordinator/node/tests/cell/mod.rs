@@ -7,3 +7,4 @@ mod history;
 mod log;
 mod planning;
 mod shipped;
+mod wire;

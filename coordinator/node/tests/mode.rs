@@ -1,0 +1,67 @@
+//! Commands in words, refusals, the record over restarts, and the time of an emergency stop.
+
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+use linewright_coordinator_logic::ModeCommand;
+use linewright_coordinator_node::{Refusals, StopTime, command_of, record_of, remembered};
+use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorRecord};
+use linewright_line::{StationId, Tick};
+use linewright_testkit::built::transfer_line;
+
+#[test]
+fn one_station_is_named_after_manual_or_auto() {
+    let line = transfer_line();
+    let command = |words| command_of(&line, words);
+    let single = |words| match command(words) {
+        Ok(CoordinatorArrival::Single(id, is_manual)) => (id, is_manual),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(single(" manual  clamp_1 "), (StationId(1), true));
+    assert_eq!(single("auto clamp_1"), (StationId(1), false));
+    assert!(matches!(command("E-Stop"), Ok(CoordinatorArrival::Command(ModeCommand::EStop))));
+    for (words, expected) in [
+        ("faster", "unknown command 'faster'; commands: start, stop, auto"),
+        ("faster clamp_1", "unknown command 'faster clamp_1'"),
+        ("hand clamp_1", "'hand clamp_1' is no command for one station"),
+        ("manual clamp_9", "no station 'clamp_9'; "),
+    ] {
+        let refusal = command(words).expect_err(words);
+        assert!(refusal.starts_with(expected), "{refusal}");
+    }
+}
+
+#[test]
+fn a_refusal_stands_with_its_age_until_something_ends_it_or_half_a_minute_is_over() {
+    let mut refusals = Refusals::default();
+    let at = Tick::from_millis;
+    refusals.refuse(at(1000), "hand refused in auto".to_owned());
+    assert_eq!(refusals.standing(at(30_999)), ("hand refused in auto", Duration::from_millis(29_999)));
+    assert_eq!(refusals.standing(at(31_000)), ("", Duration::ZERO));
+    refusals.refuse(at(40_000), "manual refused in auto".to_owned());
+    refusals.end();
+    assert_eq!((refusals.standing(at(40_001)), refusals.count), (("", Duration::ZERO), 2));
+}
+
+#[test]
+fn a_journal_that_holds_something_else_is_an_emergency_stop() {
+    let path = Path::new("coordinator.journal");
+    for estop in [false, true] {
+        let kept = CoordinatorRecord { epoch: 7, estop };
+        assert_eq!(remembered(&record_of(kept), path), kept);
+    }
+    for other in [&b"epoch x -"[..], b"epoch 7", b"epoch 7 maybe", b"\xff", b"", b"epoch 18446744073709551616 -"] {
+        assert_eq!(remembered(other, path), CoordinatorRecord { epoch: 0, estop: true }, "{other:?}");
+    }
+}
+
+#[test]
+fn it_is_the_time_of_the_stop_and_stays() {
+    let mut time = StopTime::default();
+    let wall = SystemTime::UNIX_EPOCH + Duration::from_secs(72_389);
+    let at = Tick::from_millis;
+    assert_eq!(time.text((at(5000), wall), None), "");
+    assert_eq!(time.text((at(7000), wall + Duration::from_secs(2)), Some(at(5000))), "1970-01-01 20:06:29 UTC");
+    assert_eq!(time.text((at(8000), wall + Duration::from_secs(99)), Some(at(5000))), "1970-01-01 20:06:29 UTC");
+    assert_eq!(time.text((at(9000), wall), None), "", "it was reset");
+}
