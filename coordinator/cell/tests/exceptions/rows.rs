@@ -113,11 +113,8 @@ fn where_it_was_to_go_all_is_as_if_it_were_done() {
     let mut changed = bench.changed(firing.id);
     changed.sort();
     assert_eq!(changed, named(&expected));
-    let loads = bench
-        .sim
-        .log
-        .iter()
-        .filter(|record| matches!(record.fact, RecordKind::Started { mode, .. } if mode == firing.mode));
+    let is_load = |record: &&Record| matches!(record.fact, RecordKind::Started { mode, .. } if mode == firing.mode);
+    let loads = bench.sim.log.iter().filter(is_load);
     assert_eq!(loads.count(), 1);
     bench.all_leave(1);
 }
