@@ -118,13 +118,13 @@ impl Fieldbus for ModbusTcp {
         self.manager.release_outputs(&mut ModbusOutbox::default());
         // The answers are not read any more then.
         self.links.iter_mut().for_each(|link| *link = None);
-        last::send_all(&self.lasts);
+        send_all(&self.lasts);
         self.lasts.iter().for_each(LastOrder::forget);
     }
 
     fn last_orders(&self) -> LastOrders {
         let lasts = self.lasts.clone();
-        Box::new(move || _ = last::send_all(&lasts))
+        Box::new(move || _ = send_all(&lasts))
     }
 
     fn trouble(&self, owner: Owner) -> Vec<String> {
