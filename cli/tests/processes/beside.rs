@@ -165,9 +165,13 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
     let stuck = ["clamp_1", "stick", "--operation", "advance clamp"];
     let told = machine.ends(domain, &["fail"], &line, &stuck);
     assert!(told.status.success(), "{told:?}");
-    // Its devices may still be started.
-    let told = machine.ends(domain, &["can", "status"], &line, &[]);
-    assert!(String::from_utf8_lossy(&told.stdout).contains("✓ rig-line 7Fh  the manager"), "{told:?}");
+    // Its manager may still come up, and its devices be started.
+    let mut table = String::new();
+    let is_managed = || {
+        table = String::from_utf8_lossy(&machine.ends(domain, &["can", "status"], &line, &[]).stdout).into_owned();
+        table.contains("✓ rig-line 7Fh  the manager")
+    };
+    assert!(wait_for(PATIENCE, is_managed), "{table}");
     let other_line = machine.line("other_line");
     let told = refusal(&machine.ends(domain, &["can", "--bus", "rig-line", "status"], &other_line, &[]));
     let both = format!(
