@@ -13,14 +13,13 @@ use std::time::Duration;
 
 use clap::Args as ClapArgs;
 use linewright_coordinator_logic::ModeStanding;
-use linewright_line::{Line, OpId, StationId};
+use linewright_line::{Line, StationId};
 use linewright_msgs::{CellState, LineState, StationState};
-use linewright_node_line::{cause_from_code, mode_from_code, report_from_message};
+use linewright_node_line::{mode_from_code, report_from_message};
 use linewright_node_shell::RosArgs;
 use linewright_recovery::{
     LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, StandingAlarm, plan,
 };
-use linewright_station_logic::StopCause;
 
 use crate::cell::CellClient;
 use crate::client::{OperatorClient, StateUpdate};
@@ -222,23 +221,27 @@ enum Commands {
     OfAll,
 }
 
-/// Known causes, by station, and whether any of them leads to its fault again if it is not removed. A stop by command or by a
-/// restart does not.
+/// Known causes, by station.
 fn causes<'a>(
     line: &'a Line,
     state: impl Fn(StationId) -> Option<&'a StationState>,
-) -> (Vec<(&'a str, &'a str)>, bool) {
-    let stations = line.station_ids().filter_map(|id| Some((id, state(id).filter(|state| !state.fault.is_empty())?)));
-    let comes_again = |(id, state): &(StationId, &StationState)| {
-        let by_itself = |&code: &u8| {
-            let cause = cause_from_code(code, (*id, OpId(0)));
-            !matches!(cause, Ok(StopCause::Restart | StopCause::Released | StopCause::EStop | StopCause::Ordered))
-        };
-        state.position_lost || state.stop_causes.iter().any(by_itself)
+) -> Vec<(&'a str, &'a StationState)> {
+    let named = |id| Some((line.station(id).name.as_str(), state(id).filter(|state| !state.fault.is_empty())?));
+    line.station_ids().filter_map(named).collect()
+}
+
+/// Whether what led to a station's fault leads to it again if it is not removed. A stop by command or by a restart does not.
+fn comes_again(state: &StationState) -> bool {
+    let by_itself = |code: &u8| {
+        !matches!(
+            *code,
+            StationState::CAUSE_RESTART
+                | StationState::CAUSE_RELEASED
+                | StationState::CAUSE_ESTOP
+                | StationState::CAUSE_ORDERED
+        )
     };
-    let found: Vec<(StationId, &StationState)> = stations.collect();
-    let named = found.iter().map(|&(id, state)| (line.station(id).name.as_str(), state.fault.as_str())).collect();
-    (named, found.iter().any(comes_again))
+    state.position_lost || state.stop_causes.iter().any(by_itself)
 }
 
 /// The plan as lines of text.
@@ -256,9 +259,9 @@ fn picture(
     };
     lines.extend(client.coordinator().and_then(refusal));
     let is_over = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto && plan.steps.is_empty());
-    let (causes, comes_again) = if is_over { Default::default() } else { causes(line, |id| client.station(id)) };
-    lines.extend(causes.iter().map(|(station, fault)| format!("cause: {station}: {fault}")));
-    if comes_again {
+    let causes = if is_over { Vec::new() } else { causes(line, |id| client.station(id)) };
+    lines.extend(causes.iter().map(|(station, state)| format!("cause: {station}: {}", state.fault)));
+    if causes.iter().any(|(_, state)| comes_again(state)) {
         lines.push("       remove what is still so of it first: it leads to the same fault again".to_owned());
     }
     lines.extend(done.iter().map(|text| format!(" done  {text}")));
@@ -354,11 +357,13 @@ mod tests {
             _ => Some(&well),
         };
         let name = line.stations[1].name.as_str();
-        assert_eq!(causes(&line, state), (vec![(name, fault)], false));
-        for (code, comes_again) in [(StationState::CAUSE_RESTART, false), (StationState::CAUSE_SIGNAL, true)] {
+        assert_eq!(causes(&line, state), [(name, &broken)]);
+        assert!(!comes_again(&broken));
+        for (code, again) in [(StationState::CAUSE_RESTART, false), (StationState::CAUSE_SIGNAL, true)] {
             let stopped = StationState { stop_causes: vec![code], ..broken.clone() };
             let state = |id| (id == StationId(1)).then_some(&stopped);
-            assert_eq!(causes(&line, state), (vec![(name, fault)], comes_again));
+            assert_eq!(causes(&line, state), [(name, &stopped)]);
+            assert_eq!(comes_again(&stopped), again);
         }
     }
 }

@@ -382,7 +382,7 @@ fn a_devices_file_that_cannot_be_read_is_told_in_json_too() {
     assert!(found.to_string().contains("nobody.eds"), "{found}");
 }
 
-/// It was said behind a `✓`, without a name.
+/// Where no arrow leads back, `check` warns of the stations that may run ahead, by name; it is no passed check.
 #[test]
 fn stations_that_may_run_ahead_are_a_warning_with_the_arrow_that_is_missing() {
     let scratch = Scratch::new();

@@ -150,7 +150,7 @@ impl DrawnPlan<'_> {
                 Provocation::Standstill,
                 Provocation::CutOff,
                 Provocation::WayHome,
-                Provocation::Displaced,
+                Provocation::OffAtHome,
             ]);
             if matches!(what, Provocation::TwoPanels | Provocation::TwoLives) {
                 at = self.lead_to_manual(at, faults);

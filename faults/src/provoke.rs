@@ -29,7 +29,7 @@ pub enum Provocation {
     /// An irreversible motion fails, and its station is led home.
     WayHome,
     /// At home the switch of a mechanism is off, and auto is commanded.
-    Displaced,
+    OffAtHome,
 }
 
 impl World {
@@ -41,7 +41,7 @@ impl World {
             Provocation::Standstill => self.standstill(&mut rng),
             Provocation::CutOff => self.cut_off(&mut rng),
             Provocation::WayHome => self.way_home(&mut rng),
-            Provocation::Displaced => self.displaced(&mut rng),
+            Provocation::OffAtHome => self.off_at_home(&mut rng),
         }
     }
 
@@ -191,19 +191,19 @@ impl World {
         self.also(0, rng.within(400_000, 3_000_000), FaultEvent::Cut { from, to, late: false });
     }
 
-    fn displaced(&mut self, rng: &mut Rng) {
+    fn off_at_home(&mut self, rng: &mut Rng) {
         let rests = [ControlMode::Home, ControlMode::StandBy];
         if !self.mode().is_some_and(|mode| rests.contains(&mode)) {
             // Halted at home, if it gets there in time.
             self.also(0, 1_000, FaultEvent::Command(ModeCommand::Stop));
-            self.also(rng.within(900_000, 2_500_000), 1_000, FaultEvent::Provoked(Provocation::Displaced, rng.next()));
+            self.also(rng.within(900_000, 2_500_000), 1_000, FaultEvent::Provoked(Provocation::OffAtHome, rng.next()));
             return;
         }
         let id = StationId::at(rng.below(self.stations.len() as u64) as usize);
         let switch = self.line.operation((id, self.line.station(id).home)).normal.complete;
         self.also(0, 1_500_000, FaultEvent::SwitchOff(id, switch));
-        for after in [700_000, 710_000, 1_400_000] {
-            let command = if after == 700_000 { ModeCommand::Start } else { ModeCommand::Auto };
+        let commands = [(700_000, ModeCommand::Start), (710_000, ModeCommand::Auto), (1_400_000, ModeCommand::Auto)];
+        for (after, command) in commands {
             self.also(after + rng.within(0, 5_000), 1_000, FaultEvent::Command(command));
         }
     }

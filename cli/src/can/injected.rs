@@ -1,4 +1,4 @@
-//! Faults by their words on the command line, and what is written to a simulated device for each.
+//! The faults that `linewright fail` injects: their names on the command line, and the objects that it writes to a simulated device for each.
 
 use std::sync::LazyLock;
 

@@ -195,12 +195,21 @@ mod tests {
         requests
     }
 
+    fn shipped() -> Line {
+        let text = linewright_line::TransferLine::default().text();
+        linewright_line::parse("line.toml", &text).expect("it parses").line
+    }
+
+    /// The first CANopen device of a line, with its node id.
+    fn canopen(line: &Line) -> (&Device, NodeId) {
+        let node = |device: &Device| device.node_id().and_then(NodeId::new);
+        line.devices.iter().find_map(|device| Some((device, node(device)?))).expect("a CANopen device")
+    }
+
     #[tokio::test]
     async fn nothing_is_written_to_a_device_that_is_not_simulated() {
-        let text = linewright_line::TransferLine::default().text();
-        let line = linewright_line::parse("line.toml", &text).expect("it parses").line;
-        let device = line.devices.iter().find(|device| device.node_id().is_some()).expect("a CANopen device");
-        let node = device.node_id().and_then(NodeId::new).expect("a node id");
+        let line = shipped();
+        let (device, node) = canopen(&line);
         for answer in [None, Some([0; 4])] {
             let dir = tempfile::tempdir().expect("a directory");
             let options = BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
@@ -237,10 +246,8 @@ mod tests {
     /// Two lines on one machine may have buses of one name, and devices of one node id on them.
     #[tokio::test]
     async fn nothing_is_written_to_a_device_of_another_line() {
-        let text = linewright_line::TransferLine::default().text();
-        let line = linewright_line::parse("line.toml", &text).expect("it parses").line;
-        let device = line.devices.iter().find(|device| device.node_id().is_some()).expect("a CANopen device");
-        let node = device.node_id().and_then(NodeId::new).expect("a node id");
+        let line = shipped();
+        let (device, node) = canopen(&line);
         let own = format!("line /{} in ROS domain 3", line.name);
         for (theirs, is_ours) in [
             (Some(own.as_str()), true),

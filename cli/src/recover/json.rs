@@ -146,9 +146,8 @@ impl RecoveryJson {
             end: plan.map(end),
             remarks: plan.map(|plan| plan.end_text(line)).unwrap_or_default(),
             causes: super::causes(line, |id| client.station(id))
-                .0
                 .into_iter()
-                .map(|(station, text)| CauseJson { station: station.to_owned(), text: text.to_owned() })
+                .map(|(station, state)| CauseJson { station: station.to_owned(), text: state.fault.clone() })
                 .collect(),
             shortest: plan.is_some_and(|plan| plan.is_shortest),
             steps: plan

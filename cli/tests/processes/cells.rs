@@ -222,7 +222,7 @@ fn put_right_beside_auto(rig: &Rig, operator: &Operator) {
     operator.complete();
     operator.jog("robot_2", "advance");
     others_are_in_auto();
-    let alarm = said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default();
+    let alarm = alarm_number(&said);
     let why = rig.said(&["answer"], &[alarm, "as-done"]).expect_err("not while it may be moved");
     assert!(why.contains("robot_2: in manual by itself"), "{why}");
     rig.said(&["mode"], &["auto", "--station", "robot_2"]).expect("at a rest");
@@ -249,9 +249,14 @@ fn put_right(rig: &Rig, operator: &Operator) {
     is_answered(rig, &said);
 }
 
+/// The number of the alarm of which this is the text.
+fn alarm_number(said: &str) -> &str {
+    said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default()
+}
+
 /// The alarm, of which this is the text, is answered with the end of the task.
 fn is_answered(rig: &Rig, said: &str) {
-    let alarm = said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default();
+    let alarm = alarm_number(said);
     rig.said(&["answer"], &[alarm, "as-done"]).unwrap_or_else(|error| panic!("{said}: {error}"));
     // A resource that was unable to work when the activity was closed stays out of service until `resource … up`.
     if rig.said(&["resource"], &[]).is_ok_and(|said| said.contains("robot_2 out of service")) {

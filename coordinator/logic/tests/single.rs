@@ -300,7 +300,7 @@ fn its_selector_requests_it_too() {
     assert_ne!(bench.mode(), ControlMode::Auto);
 }
 
-/// A report of another life, or without an image, says nothing of a selector: the station does not go over to auto by it.
+/// A selector counts as turned back only by a report of the same life of the station, with a valid input image.
 #[test]
 fn a_selector_that_is_unknown_is_not_turned_back() {
     let by_selector = || {
@@ -358,7 +358,7 @@ fn a_selector_turned_back_is_judged_as_the_command_is() {
     assert_eq!((bench.single(false), bench.mode(), bench.states()), (None, ControlMode::Auto, FOLLOWS));
 }
 
-/// While the panel does not act, the text says what it waits for, and does not say that the station is in manual.
+/// While the panel of a station in manual has no effect, the text of the mode names the conditions that are missing.
 #[test]
 fn the_text_says_what_the_panel_waits_for() {
     let mut bench = bench();

@@ -1,4 +1,4 @@
-//! Commands in words, refusals, the record over restarts, and the time of an emergency stop.
+//! Commands as text and as messages, refusals, the coordinator's record over restarts, and the time at which an emergency stop was latched.
 
 use std::path::Path;
 use std::time::{Duration, SystemTime};

@@ -1,4 +1,4 @@
-//! Whether `clear` has ended anything: a command that changes nothing says so.
+//! Result of `fail … clear`, by the number of injected faults in each device before and after it. Where none has ended it is an error.
 
 use miette::miette;
 

@@ -313,7 +313,7 @@ mod tests {
         LineSource::read(reader, about, span, Zone::Utc, &args).expect("a line's")
     }
 
-    /// The start-up was a stop, a night without a record stood among the stops, and no figure said what it is.
+    /// Start-up and times without a record are listed apart from stops, and each figure has a line of the legend.
     #[test]
     fn a_start_up_and_what_is_not_recorded_are_no_stops_and_each_figure_has_its_line() {
         let dir = tempfile::tempdir().expect("a directory");

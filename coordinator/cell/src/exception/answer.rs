@@ -69,8 +69,7 @@ impl Coordination {
             return Err(AlarmAnswerRefusal::Moves(station));
         }
         // In manual by itself it may still be moved, also from where its order began: the activity keeps all it has taken.
-        let mut stations = firing.orders.iter().map(|order| order.station);
-        if let Some(station) = stations.find(|station| self.watch.in_manual.contains_key(station)) {
+        if let Some(station) = self.led_by_hand(firing) {
             return Err(AlarmAnswerRefusal::CannotWork(station, StationUnavailable::InManual));
         }
         // Where the part is of a station between two rests is decided when it is led on. And it may stand in a resource whose room

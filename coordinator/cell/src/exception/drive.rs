@@ -99,6 +99,12 @@ impl Coordination {
         ordered.chain(part).find(|&station| self.moves(now, station))
     }
 
+    /// A station with an order of the activity that is in manual by itself: a person may move it.
+    pub(super) fn led_by_hand(&self, firing: &OngoingActivity) -> Option<StationId> {
+        let mut ordered = firing.orders.iter().map(|order| order.station);
+        ordered.find(|station| self.watch.in_manual.contains_key(station))
+    }
+
     /// Fails the orders of stations that were not received for too long.
     pub(in super::super) fn miss(&mut self, now: Tick, out: &mut PlayerOutbox) {
         while self.watch.missed_from.is_none_or(|at| at <= now) {
@@ -250,10 +256,9 @@ impl Coordination {
         let Some((firing, cause)) = self.failed(id) else { return };
         let (mode, part) = (firing.mode, firing.part);
         // In manual by itself a station may be moved after what the sensors are read for.
-        let mut ordered = firing.orders.iter().map(|order| order.station);
-        let by_hand = ordered.find(|station| self.watch.in_manual.contains_key(station));
+        let by_hand = || self.led_by_hand(firing).map(|station| alarm::led_by_hand(&self.state, &ruling, station));
         let moved = self.moving(now, firing).map(|station| alarm::moved(&self.state, &ruling, station));
-        if let Some(finding) = moved.or_else(|| Some(alarm::led_by_hand(&self.state, &ruling, by_hand?))) {
+        if let Some(finding) = moved.or_else(by_hand) {
             let text = alarm::again(&finding, &alarm::alarm(self, firing, cause, now));
             let answers = self.answers(firing, cause);
             return self.alarm(now, id, text, Some(finding), &answers, out);

@@ -196,7 +196,10 @@ impl Coordinator {
             }
             self.stations[id.index()].single = single;
         }
-        for id in self.line.station_ids().filter(|&id| self.is_single(id)).collect::<Vec<_>>() {
+        for id in self.line.station_ids() {
+            if !self.is_single(id) {
+                continue;
+            }
             let is_led = self.against_panel(id).is_empty();
             let station = &mut self.stations[id.index()];
             self.changed |= std::mem::replace(&mut station.single.is_led, is_led) != is_led;
@@ -240,15 +243,17 @@ impl Coordinator {
         if !by_command && !station.heard.selector_manual {
             reasons.push(ModeRefusal::SelectorUnclear(id));
         }
-        let acknowledges = |of: &StationEntry| self.is_known(of) && of.heard.acknowledges(self.boot_id, since);
-        let others = self.counted().filter(|&(other, _)| other != id);
-        let silent = others.chain([(id, station)]).filter(|(_, of)| !acknowledges(of));
-        // One that is not received is a reason already, or ends auto.
-        reasons.extend(silent.filter(|(_, of)| self.is_known(of)).map(|(id, _)| ModeRefusal::ManualUnaware(id)));
+        // All that count, which is all but those in manual by themselves. That this one is not received is a reason already.
+        for (other, of) in self.counted().chain([(id, station)]) {
+            if !self.is_known(of) {
+                reasons.extend((other != id).then_some(ModeRefusal::NotHeard(other)));
+            } else if !of.heard.acknowledges(self.boot_id, since) {
+                reasons.push(ModeRefusal::ManualUnaware(other));
+            }
+        }
         let is_kept =
             matches!(station.permit, Some(ManualPermit::LeftOut { kept_in: Some(epoch), .. }) if epoch == since);
-        if reasons.is_empty() && !(is_kept && self.enabled && self.all(|heard| heard.acknowledges(self.boot_id, since)))
-        {
+        if reasons.is_empty() && !(is_kept && self.enabled) {
             reasons.push(ModeRefusal::CellUnaware(id));
         }
         reasons

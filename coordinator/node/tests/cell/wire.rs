@@ -12,7 +12,7 @@ fn station() -> Station {
     transfer_line().stations.remove(0)
 }
 
-/// Without an image a sensor says nothing, which is not the same as no sensor.
+/// Without a valid input image the presence of a part is reported as unread; a station without a sensor reports that it has none.
 #[test]
 fn a_sensor_without_an_image_is_unread() {
     let presence = |inputs: &[u8], sensor| {
