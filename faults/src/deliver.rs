@@ -64,7 +64,8 @@ impl World {
             Message::Order { order, sequence } if to < self.stations.len() => {
                 let in_stop = self.mode() == Some(ControlMode::EStop);
                 let stop = self.observer.ordered((self.now, since), to, order, in_stop);
-                if *sequence == FORGED_NUMBER {
+                // One with a longer lease is not taken, and its number neither.
+                if *sequence == FORGED_NUMBER && order.lease <= timing.lease {
                     self.observer.forget_lives(to);
                 }
                 if let Some(stop) = stop {

@@ -101,6 +101,7 @@ mutants! {
     BooleansInstead, Some(0), "the barrier of counts has Booleans instead of counts";
     PositionsOff, Some(3), "the barrier of measured positions is off";
     BarriersOff, Some(0), "both barriers are off";
+    EntryNotAsked, None, "without a generation in common two stations start by measured positions on one report";
     AgreementOff, Some(4), "counts are taken back without agreement";
     WithdrawnLate, Some(12), "a count is taken back after the motion";
     NumbersNotFresh, Some(38), "all requests have the same number";
@@ -123,6 +124,7 @@ impl Mutant {
             Mutant::BooleansInstead => Rules { counted: false, ..all },
             Mutant::PositionsOff => Rules { positions: false, ..all },
             Mutant::BarriersOff => Rules { positions: false, arrows: false, ..all },
+            Mutant::EntryNotAsked => Rules { entry: false, ..all },
             Mutant::AgreementOff => Rules { ask: false, ..all },
             Mutant::WithdrawnLate => Rules { withdraw_first: false, ..all },
             Mutant::NumbersNotFresh => Rules { fresh_numbers: false, ..all },

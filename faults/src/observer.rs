@@ -25,6 +25,8 @@ const SLACK: Duration = Duration::from_millis(60);
 pub(crate) struct StopEpisode {
     number: u64,
     pub(crate) is_reset: bool,
+    /// The line's coordinator has taken the reset, and needs no other one.
+    is_reset_there: bool,
 }
 
 #[derive(Debug)]
@@ -83,6 +85,8 @@ pub(crate) struct Observer {
     ended: u64,
     ended_at: Tick,
     is_ending: bool,
+    /// The coordinator has taken the reset of that.
+    ended_there: bool,
     pub(crate) finding: Option<Finding>,
 }
 
@@ -130,6 +134,7 @@ impl Observer {
             ended: 0,
             ended_at: Tick::ZERO,
             is_ending: false,
+            ended_there: false,
             finding: None,
         }
     }
@@ -213,7 +218,7 @@ impl Observer {
     fn begin_stop(&mut self) {
         if self.stop.is_none_or(|stop| stop.is_reset) {
             self.stops += 1;
-            self.stop = Some(StopEpisode { number: self.stops, is_reset: false });
+            self.stop = Some(StopEpisode { number: self.stops, is_reset: false, is_reset_there: false });
         }
     }
 
@@ -225,15 +230,19 @@ impl Observer {
                 self.begin_stop();
                 self.process_carries |= node == self.stations.len();
             }
-            (ModeCommand::Reset, Some(stop)) => stop.is_reset = true,
+            (ModeCommand::Reset, Some(stop)) => {
+                stop.is_reset = true;
+                stop.is_reset_there |= node == self.stations.len();
+            }
             _ => {}
         }
     }
 
     /// After reset, manual by command or at a selector ends the stop, from the present epoch on.
     pub(crate) fn manual_is_wanted(&mut self, now: Tick, epoch: u64) {
-        if self.stop.is_some_and(|stop| stop.is_reset) {
+        if let Some(stop) = self.stop.filter(|stop| stop.is_reset) {
             (self.ended, self.ended_at, self.is_ending) = (epoch, now, true);
+            self.ended_there = stop.is_reset_there;
             self.end_stop();
         }
     }
@@ -283,13 +292,16 @@ impl Observer {
             (self.stations[at].ordered, self.stations[at].held_up) = (Some(since), Duration::ZERO);
             return None;
         }
-        // A coordinator that stood when the commands arrived has not taken them, and is in the stop still.
+        // A coordinator that stood when the commands arrived has not taken them, and is in the stop still. So is one that has taken
+        // the reset and refuses manual.
         let goes_on = in_stop && now > self.ended_at + ENDS_WITHIN;
         if self.stop.is_none() && (self.is_ending || order.epoch <= self.ended) && !goes_on {
             return None;
         }
         if self.stop.is_none() {
             self.begin_stop();
+            let is_reset = self.is_ending && self.ended_there;
+            self.stop = self.stop.map(|stop| StopEpisode { is_reset, is_reset_there: is_reset, ..stop });
         }
         let is_new = !self.stations[at].is_stopped;
         (self.stations[at].is_stopped, self.stations[at].carries) = (true, true);

@@ -150,6 +150,8 @@ impl DrawnPlan<'_> {
                 Provocation::Standstill,
                 Provocation::CutOff,
                 Provocation::WayHome,
+                Provocation::WayHome,
+                Provocation::NoGeneration,
                 Provocation::OffAtHome,
             ]);
             if matches!(what, Provocation::TwoPanels | Provocation::TwoLives) {

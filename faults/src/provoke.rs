@@ -28,6 +28,8 @@ pub enum Provocation {
     CutOff,
     /// An irreversible motion fails, and its station is led home.
     WayHome,
+    /// Two stations in conflict without a generation in common, at both of whose panels people press.
+    NoGeneration,
     /// At home the switch of a mechanism is off, and auto is commanded.
     OffAtHome,
 }
@@ -41,6 +43,7 @@ impl World {
             Provocation::Standstill => self.standstill(&mut rng),
             Provocation::CutOff => self.cut_off(&mut rng),
             Provocation::WayHome => self.way_home(&mut rng),
+            Provocation::NoGeneration => self.no_generation(&mut rng),
             Provocation::OffAtHome => self.off_at_home(&mut rng),
         }
     }
@@ -189,6 +192,33 @@ impl World {
         let Some(arrow) = self.arrow(rng, fit) else { return };
         let (from, to) = (arrow.from.0.index(), arrow.to.0.index());
         self.also(0, rng.within(400_000, 3_000_000), FaultEvent::Cut { from, to, late: false });
+    }
+
+    /// One of the two is started without its journal; what each knows of the other is some time old.
+    fn no_generation(&mut self, rng: &mut Rng) {
+        if self.line.conflicts.is_empty() {
+            return;
+        }
+        let conflict = rng.pick(&self.line.conflicts);
+        let mut pair = [conflict.a.station.index(), conflict.b.station.index()];
+        if rng.chance(500) {
+            pair.reverse();
+        }
+        let [first, second] = pair;
+        self.also(0, 50_000, FaultEvent::Kill { node: first, after: 0, remembers: false });
+        for after in [500_000, 800_000, 1_100_000] {
+            self.also(after, 1_000, FaultEvent::Command(ModeCommand::Manual));
+        }
+        for (from, to) in [(first, second), (second, first)] {
+            let by = Duration::from_micros(rng.within(5_000, 120_000));
+            self.also(1_000_000, 3_000_000, FaultEvent::Slow { from, to, by, is_even: true });
+        }
+        for round in 0..5 {
+            for node in pair {
+                let (after, is_advance) = (1_200_000 + 450_000 * round + rng.within(0, 60_000), rng.chance(700));
+                self.also(after, rng.within(50_000, 400_000), FaultEvent::Press(node, is_advance));
+            }
+        }
     }
 
     fn off_at_home(&mut self, rng: &mut Rng) {

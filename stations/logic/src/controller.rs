@@ -263,7 +263,10 @@ impl Controller {
                 let me = (self.program.station, self.boot_id);
                 let answer = |views: &PeerViews| views.peers.iter().find(|v| v.station == station).map(|v| v.answer);
                 let before = answer(&self.views);
-                self.views.hear(now, me, &self.program, &self.counts.started, station, report)?;
+                let asks = self.views.hear(now, me, &self.program, &self.counts.started, station, report)?;
+                if let Some(peer) = asks {
+                    self.answer_entry(peer);
+                }
                 self.due.report |= before != answer(&self.views);
             }
             StationInput::Task(command) => return self.command(command),

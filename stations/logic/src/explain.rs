@@ -8,7 +8,7 @@ use linewright_line::{InputId, Line, OpId, OperationModule, Owner, Tick};
 
 use crate::controller::Controller;
 use crate::event::{StationHappening, StopCause};
-use crate::peer_set::PeerSet;
+use crate::parts::{AgreementRefusal, PendingWithdrawal};
 use crate::program::{CompiledTransition, IncomingArrow as Arrow};
 use crate::texts::place::{op_names, place_text};
 use crate::texts::{
@@ -107,11 +107,16 @@ impl Controller {
             self.explain_place(line, place, now, &mut reasons);
         }
         if let Some(pending) = &self.agreement.pending {
-            self.explain_request(line, pending.request.ops, pending.needs, now, &mut reasons);
+            self.explain_request(line, pending, now, &mut reasons);
         }
-        if let Some((by, in_the_way, ops)) = self.agreement.refusal {
-            let (station, op) = (&line.station(by).name, &line.operation((by, in_the_way)).name);
-            reasons.push(StationWait::Disagreement { station, op, ops: &self.op_names(line, ops) }.text());
+        if let Some(AgreementRefusal { by, in_the_way, ops }) = self.agreement.refusal {
+            let station = &line.station(by).name;
+            let op = in_the_way.map(|op| line.operation((by, op)).name.as_str());
+            let ops = self.op_names(line, ops);
+            reasons.push(match op {
+                Some(op) if !ops.is_empty() => StationWait::Disagreement { station, op, ops: &ops }.text(),
+                op => StationWait::EntryRejected { station, op }.text(),
+            });
         }
         let mut said = Vec::with_capacity(reasons.len());
         reasons.into_iter().for_each(|reason| {
@@ -428,13 +433,18 @@ impl Controller {
         wait.text()
     }
 
-    fn explain_request(&self, line: &Line, ops: u64, needs: PeerSet, now: Tick, reasons: &mut Vec<String>) {
-        for (index, view) in self.views.peers.iter().enumerate().filter(|&(i, _)| needs.contains(i)) {
+    fn explain_request(&self, line: &Line, pending: &PendingWithdrawal, now: Tick, reasons: &mut Vec<String>) {
+        let ops = self.op_names(line, pending.request.ops);
+        for peer in (pending.needs | pending.entered).iter() {
+            let view = &self.views.peers[peer];
             let is_heard = now < view.known_until;
-            let agreed = matches!(view.verdict, Some((_, number, None)) if Some(number) == self.agreement.pending.map(|p| p.request.number));
+            let agreed = matches!(view.verdict, Some((_, number, None)) if number == pending.request.number);
             if !agreed {
-                let station = &line.station(self.program.peers[index]).name;
-                reasons.push(StationWait::Agreement { station, is_heard, ops: &self.op_names(line, ops) }.text());
+                let station = &line.station(view.station).name;
+                reasons.push(match pending.entered.contains(peer) {
+                    true => StationWait::EntryAgreement { station, is_heard }.text(),
+                    false => StationWait::Agreement { station, is_heard, ops: &ops }.text(),
+                });
             }
         }
     }

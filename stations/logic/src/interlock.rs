@@ -14,9 +14,9 @@
 //! switches measure a task, the other station checks them all the same; where none do, there is no second barrier.
 //!
 //! What this does not exclude by itself: two stations that start within the time a report takes see each other outside still.
-//! Both are stopped when the reports arrive. Against that stand the counts.
+//! Against that stand the counts, and in manual, where there are none in common, an agreement before the start (see `entry`).
 
-use linewright_line::net::{ControlMode, MotionStage, StationPlace, TransitionKind};
+use linewright_line::net::{ControlMode, MotionStage, StationPlace};
 use linewright_line::{InputId, OpId};
 
 use crate::controller::Controller;
@@ -136,10 +136,7 @@ impl Controller {
         if let Some(cause) = self.unsafe_index(action) {
             return Some(cause);
         }
-        let path = match action.kind {
-            TransitionKind::EnterPath(failed) => Some(failed),
-            _ => self.marking.path,
-        };
+        let path = self.path_in(action);
         for &to in &action.to {
             let place = self.program.places[usize::from(to)].place;
             if place.stage != MotionStage::Operating {

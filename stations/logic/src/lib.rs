@@ -49,13 +49,15 @@
 //! # Inside
 //! The net comes from [`linewright_line::net`]; here it is compiled to tables (`program`) and played (`step`, `fire`).
 //! Counted internal variables are in `views`, taking a count back by agreement in `withdraw`, which counts may be compared
-//! in `generation`; the check of measured positions, which needs no memory, in `interlock`; what a console may lead on in
+//! in `generation`; the check of measured positions, which needs no memory, in `interlock`, motions that rely on it
+//! alone in `entry`; what a console may lead on in
 //! `resume`. A task-driven station has `slot` besides. `texts` has what operators read. There is no clock, no thread and no message format here.
 
 mod axis_place;
 mod conflict_spans;
 mod controller;
 mod drive;
+mod entry;
 mod event;
 mod explain;
 mod explain_homing;

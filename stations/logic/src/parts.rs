@@ -153,8 +153,10 @@ pub(crate) struct PendingWithdrawal {
     /// Levels the command must keep holding.
     pub hold: u128,
     pub mode: ControlMode,
-    /// Peers that must agree.
+    /// Peers that must agree to counts being taken back.
     pub needs: PeerSet,
+    /// Peers that must agree to a motion by measured positions (see `entry`).
+    pub entered: PeerSet,
 }
 
 impl PendingWithdrawal {
@@ -163,13 +165,23 @@ impl PendingWithdrawal {
     }
 }
 
-/// Taking counts back, by agreement with other stations.
+/// A request that another station did not agree to, or that was not made since the other has one open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct AgreementRefusal {
+    pub by: StationId,
+    /// Its operation in the way; none where it has a request open.
+    pub in_the_way: Option<OpId>,
+    /// The own operations whose counts stay; none where the request was for a motion by measured positions.
+    pub ops: u64,
+}
+
+/// What is done by agreement with other stations: counts taken back, motions by measured positions alone.
 #[derive(Clone, Debug)]
 pub(crate) struct Agreement {
     pub pending: Option<PendingWithdrawal>,
     pub next_request: u64,
-    /// The last refusal, for the operator: the station, its operation in the way, the own operations that stay.
-    pub refusal: Option<(StationId, OpId, u64)>,
+    /// The last refusal, for the operator.
+    pub refusal: Option<AgreementRefusal>,
 }
 
 /// The output image.

@@ -45,14 +45,21 @@ pub struct PositionsKnown {
 impl PositionGuard {
     /// Whether the motion may start and go on.
     pub fn holds(&self, known: PositionsKnown) -> bool {
-        let are_on = |image: Option<u128>, inputs: u128| image.is_some_and(|image| image & inputs == inputs);
-        let outside = match self.own {
+        self.is_outside(known) || if self.clear == 0 { known.counts } else { are_on(known.other, self.clear) }
+    }
+
+    /// Whether the motion is outside this station's own state, so that it does not rely on the other station.
+    pub(crate) fn is_outside(&self, known: PositionsKnown) -> bool {
+        match self.own {
             OwnSide::Inside => false,
             OwnSide::Outside(clear) => are_on(known.own, clear),
             OwnSide::OutsideByChart => known.is_placed,
-        };
-        outside || if self.clear == 0 { known.counts } else { are_on(known.other, self.clear) }
+        }
     }
+}
+
+fn are_on(image: Option<u128>, inputs: u128) -> bool {
+    image.is_some_and(|image| image & inputs == inputs)
 }
 
 /// The guards of a station's motions.

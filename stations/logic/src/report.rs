@@ -53,7 +53,7 @@ pub struct StationReport {
     pub place: u16,
     /// Operations stopped before their end, with the cause.
     pub incomplete: Vec<(OpId, StopCause)>,
-    /// The request to take counts back that is open.
+    /// The request that is open.
     pub request: Option<WithdrawalRequest>,
     /// Its answers to the requests of others.
     pub answers: Vec<WithdrawalAnswer>,
@@ -61,12 +61,12 @@ pub struct StationReport {
     pub order: Option<TaskOrderReport>,
 }
 
-/// A request to take back the counts of some operations.
+/// A request to other stations: to take back the counts of some operations, or to start a motion by measured positions alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WithdrawalRequest {
     /// Never used again by this station; an agreement counts for this number alone.
     pub number: u64,
-    /// The operations, a bit each.
+    /// The operations whose counts are taken back, a bit each.
     pub ops: u64,
 }
 

@@ -26,6 +26,9 @@ pub struct Rules {
     pub generations: bool,
     /// Measured positions are the second barrier (see `interlock`). Off: counts alone.
     pub positions: bool,
+    /// In manual a motion that relies on measured positions alone starts by agreement (see `entry`). Off: two stations may start
+    /// within the time that a report takes.
+    pub entry: bool,
     /// Arrows are observed. Off, the second barrier stands alone: arrows are not waited for, and a count is taken back
     /// without agreement.
     pub arrows: bool,
@@ -47,6 +50,7 @@ impl Rules {
         home_waits: true,
         generations: true,
         positions: true,
+        entry: true,
         arrows: true,
         timely: true,
     };

@@ -120,7 +120,9 @@ impl Controller {
             None => out.push(-1),
             Some(pending) => {
                 out.extend([pending.request.ops as i64, pending.mode as i64]);
-                out.extend(pending.needs.words(self.views.peers.len()).map(|word| word as i64));
+                for peers in [pending.needs, pending.entered] {
+                    out.extend(peers.words(self.views.peers.len()).map(|word| word as i64));
+                }
                 out.extend(word(pending.hold));
                 out.extend(pending.rows().iter().map(|&row| i64::from(row)));
             }

@@ -9,7 +9,6 @@ use linewright_line::{BRANCHES_MAX, InputId, Tick};
 use crate::controller::{Controller, NO_DELAY, StationOutbox};
 use crate::event::{HappeningKind, StopCause};
 use crate::parts::{IndexProgress, PASSES_MAX, PendingWithdrawal, RunCommand, Token};
-use crate::peer_set::PeerSet;
 use crate::program::{Causal, ConditionRow, bit};
 use crate::withdraw::WithdrawalState;
 
@@ -166,12 +165,8 @@ impl Controller {
                 self.due.report = true;
                 false
             }
-            WithdrawalState::NotAgreed => {
-                self.due.report = true;
-                // A refused command is to be given again: held on, it would repeat the request with every message.
-                self.commands.disarm(pending.hold);
-                self.levels.now &= !pending.hold;
-                self.levels.before &= !pending.hold;
+            WithdrawalState::NotAgreed(refusal) => {
+                self.reject(&pending, refusal);
                 false
             }
         }
@@ -355,44 +350,6 @@ impl Controller {
             self.due.report = true;
         }
         None
-    }
-
-    /// Fires the transitions of these rows, or requests the agreement they need. Neighbours that go back together are
-    /// one request: none of them moves before all may.
-    fn act(&mut self, rows: &[u16], mode: ControlMode) -> bool {
-        let asks = self.rules.ask && self.rules.arrows;
-        let needs = if asks { self.to_be_asked(rows, mode) } else { PeerSet::EMPTY };
-        let mut fired = false;
-        for &row in rows {
-            let row = self.program.rows[row as usize];
-            if needs.is_empty() || !row.withdraws {
-                self.fire(row.transition);
-                fired = true;
-            }
-        }
-        // One request at a time: a command given while another waits is given too early.
-        if !needs.is_empty() && self.agreement.pending.is_none() && self.can_agree(needs) {
-            self.ask(rows, mode);
-        }
-        fired
-    }
-
-    /// The peers whose agreement these rows need.
-    fn to_be_asked(&self, rows: &[u16], mode: ControlMode) -> PeerSet {
-        let rows = rows.iter().map(|&row| &self.program.rows[row as usize]).filter(|row| row.withdraws);
-        rows.fold(PeerSet::EMPTY, |needs, row| {
-            needs | self.dependents(self.taken_back(self.program.actions[row.transition as usize].kind), mode)
-        })
-    }
-
-    /// Whether this station and these peers could compare counts: without a common generation none agrees, or ever will.
-    fn can_agree(&self, needs: PeerSet) -> bool {
-        if self.rules.generations && self.views.generation == 0 {
-            return false;
-        }
-        needs.iter().all(|peer| {
-            self.views.standing(peer, self.counts.cycle, self.now) != crate::views::Comparability::OtherGeneration
-        })
     }
 
     /// The operations whose counts a transition takes back.

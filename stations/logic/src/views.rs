@@ -107,6 +107,8 @@ impl PeerViews {
 
     /// Takes a report that is newer than the last one of that station.
     ///
+    /// Gives the peer if it has made a request that is not answered by counts, since it has none of this station's generation.
+    ///
     /// # Errors
     /// When it is not a peer's or does not fit its description; nothing has changed.
     pub(crate) fn hear(
@@ -117,7 +119,7 @@ impl PeerViews {
         started: &[i32],
         from: StationId,
         report: &StationReport,
-    ) -> Result<(), Ignored> {
+    ) -> Result<Option<usize>, Ignored> {
         let index = self.peers.iter().position(|v| v.station == from).ok_or(Ignored::NotAPeer)?;
         let view = &mut self.peers[index];
         let bits = view.done.len();
@@ -134,7 +136,6 @@ impl PeerViews {
         // The image was some time old when it was sent; the time of the message is unknown, and counts as 0.
         let left = self.stale.saturating_sub(report.measured_age);
         view.measured_until = if report.devices_valid { now + left } else { Tick::ZERO };
-        let comparable = !self.rules.generations || (report.generation == self.generation && self.generation != 0);
         view.done.copy_from_slice(&report.done);
         view.cycle = report.cycle;
         view.places.clear();
@@ -146,17 +147,30 @@ impl PeerViews {
         let same = view.boot_id == report.boot_id && view.request == report.request;
         view.boot_id = report.boot_id;
         view.request = report.request;
-        if !same {
-            // To agree is to have compared counts.
-            let answer = report.request.filter(|_| comparable).map(|request| WithdrawalAnswer {
-                to: from,
-                boot_id: report.boot_id,
-                number: request.number,
-                in_the_way: in_the_way(program, index, &self.peers[index], request, started),
-            });
-            self.peers[index].answer = answer;
+        if same {
+            return Ok(None);
         }
-        Ok(())
+        self.peers[index].answer = None;
+        let Some(request) = report.request else { return Ok(None) };
+        // To agree to a withdrawal is to have compared counts.
+        if !self.shares_generation(index) {
+            return Ok(Some(index));
+        }
+        let in_the_way = in_the_way(program, index, &self.peers[index], request, started);
+        self.answer(index, request, in_the_way);
+        Ok(None)
+    }
+
+    /// Answers the request of a peer.
+    pub(crate) fn answer(&mut self, peer: usize, request: WithdrawalRequest, in_the_way: Option<OpId>) {
+        let view = &mut self.peers[peer];
+        let (to, boot_id, number) = (view.station, view.boot_id, request.number);
+        view.answer = Some(WithdrawalAnswer { to, boot_id, number, in_the_way });
+    }
+
+    /// Whether the counts of a peer belong to this station's generation.
+    pub(crate) fn shares_generation(&self, peer: usize) -> bool {
+        !self.rules.generations || (self.generation != 0 && self.peers[peer].generation == self.generation)
     }
 
     /// Whether a report of the peer is there that is not too old.
@@ -186,7 +200,7 @@ impl PeerViews {
         if !self.rules.generations {
             return Comparability::Comparable;
         }
-        if view.generation != self.generation || self.generation == 0 {
+        if !self.shares_generation(peer) {
             Comparability::OtherGeneration
         } else if view.position_lost {
             Comparability::PositionLost
@@ -206,8 +220,7 @@ impl PeerViews {
             && mode == ControlMode::Manual
             && self.covers
             && self.is_heard(peer, now)
-            && self.rules.generations
-            && (self.generation == 0 || self.peers[peer].generation != self.generation)
+            && !self.shares_generation(peer)
     }
 
     /// The count of a peer's operation as it may be relied on: one less while it is being taken back.

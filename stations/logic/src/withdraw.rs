@@ -13,8 +13,9 @@ use linewright_line::net::ControlMode;
 
 use crate::controller::Controller;
 use crate::event::HappeningKind;
-use crate::parts::PendingWithdrawal;
+use crate::parts::{AgreementRefusal, PendingWithdrawal};
 use crate::peer_set::PeerSet;
+use crate::program::bit;
 use crate::report::WithdrawalRequest;
 
 /// State of a withdrawal request.
@@ -22,8 +23,8 @@ use crate::report::WithdrawalRequest;
 pub(crate) enum WithdrawalState {
     Waiting,
     Agreed,
-    /// A station has started on a count: refused.
-    NotAgreed,
+    /// A station has started on a count, or moves: refused.
+    NotAgreed(AgreementRefusal),
     /// The command does not stand any more.
     GivenUp,
 }
@@ -37,8 +38,54 @@ impl Controller {
         all.filtered(|peer| !self.views.positions_stand_in(peer, mode, self.now))
     }
 
-    /// Opens a request for the rows that take counts back. Those of one step (concurrent neighbours) are one request.
-    pub(crate) fn ask(&mut self, rows: &[u16], mode: ControlMode) {
+    /// Fires the transitions of these rows, or requests the agreement they need. Neighbours that go back together are
+    /// one request: none of them moves before all may.
+    pub(crate) fn act(&mut self, rows: &[u16], mode: ControlMode) -> bool {
+        let asks = self.rules.ask && self.rules.arrows;
+        let needs = if asks { self.to_be_asked(rows, mode) } else { PeerSet::EMPTY };
+        let mut entered = PeerSet::EMPTY;
+        let mut fired = false;
+        let (mut asked, mut count) = ([0; BRANCHES_MAX], 0);
+        for &number in rows {
+            let row = self.program.rows[number as usize];
+            let of_row = self.entered_by(&row, mode);
+            if (row.withdraws && !needs.is_empty()) || !of_row.is_empty() {
+                entered = entered | of_row;
+                asked[count] = number;
+                count += 1;
+            } else {
+                self.fire(row.transition);
+                fired = true;
+            }
+        }
+        // One request at a time: a command given while another waits is given too early.
+        let may_ask = count != 0 && self.agreement.pending.is_none() && (needs.is_empty() || self.can_agree(needs));
+        if may_ask && !self.waits_behind_request(entered) {
+            self.ask(&asked[..count], mode, needs, entered);
+        }
+        fired
+    }
+
+    /// The peers that must agree before these rows take counts back.
+    fn to_be_asked(&self, rows: &[u16], mode: ControlMode) -> PeerSet {
+        let rows = rows.iter().map(|&row| &self.program.rows[row as usize]).filter(|row| row.withdraws);
+        rows.fold(PeerSet::EMPTY, |needs, row| {
+            needs | self.dependents(self.taken_back(self.program.actions[row.transition as usize].kind), mode)
+        })
+    }
+
+    /// Whether this station and these peers could compare counts: without a common generation none agrees, or ever will.
+    fn can_agree(&self, needs: PeerSet) -> bool {
+        if self.rules.generations && self.views.generation == 0 {
+            return false;
+        }
+        needs.iter().all(|peer| {
+            self.views.standing(peer, self.counts.cycle, self.now) != crate::views::Comparability::OtherGeneration
+        })
+    }
+
+    /// Opens a request for these rows. Those of one step (concurrent neighbours) are one request.
+    fn ask(&mut self, rows: &[u16], mode: ControlMode, needs: PeerSet, entered: PeerSet) {
         let number = self.agreement.next_request;
         if self.rules.fresh_numbers {
             self.agreement.next_request += 1;
@@ -49,44 +96,61 @@ impl Controller {
             count: 0,
             hold: 0,
             mode,
-            needs: PeerSet::EMPTY,
+            needs,
+            entered,
         };
         for &number in rows {
             let row = self.program.rows[usize::from(number)];
+            pending.rows[pending.count] = number;
+            pending.count += 1;
             if row.withdraws {
-                pending.rows[pending.count] = number;
-                pending.count += 1;
                 pending.request.ops |= self.taken_back(self.program.actions[row.transition as usize].kind);
-                pending.hold |= crate::program::bit::levels(row.need);
             }
+            pending.hold |= bit::levels(row.need);
         }
-        pending.needs = self.dependents(pending.request.ops, mode);
+        // Under *resume* no panel's *advance* is held; it stands for it.
+        if self.levels.now & bit::RESUME != 0 && pending.hold & !self.levels.now == bit::ADVANCE {
+            pending.hold ^= bit::ADVANCE | bit::RESUME;
+        }
         self.agreement.pending = Some(pending);
         self.due.report = true;
         self.note(HappeningKind::Asked(number));
     }
 
-    /// State of the open request. A refusal closes it and names the station in the way.
-    pub(crate) fn standing(&mut self, pending: &PendingWithdrawal, levels: u128, mode: ControlMode) -> WithdrawalState {
+    /// Closes a request that is refused.
+    pub(crate) fn reject(&mut self, pending: &PendingWithdrawal, refusal: AgreementRefusal) {
+        if let AgreementRefusal { by, in_the_way: Some(in_the_way), .. } = refusal {
+            self.note(HappeningKind::NotAgreed { by, in_the_way });
+        }
+        self.note(HappeningKind::Refused);
+        self.agreement.refusal = Some(refusal);
+        self.due.report = true;
+        // A refused command is to be given again: held on, it would repeat the request with every message.
+        self.commands.disarm(pending.hold);
+        self.levels.now &= !pending.hold;
+        self.levels.before &= !pending.hold;
+    }
+
+    /// State of the open request.
+    pub(crate) fn standing(&self, pending: &PendingWithdrawal, levels: u128, mode: ControlMode) -> WithdrawalState {
         if mode != pending.mode || levels & pending.hold != pending.hold || !self.image.valid {
             return WithdrawalState::GivenUp;
         }
         let mut missing = false;
         for (index, view) in self.views.peers.iter().enumerate() {
-            if !pending.needs.contains(index) {
+            // What has another generation since was answered by positions, or not at all.
+            let is_by_counts = self.views.shares_generation(index);
+            if !pending.needs.contains(index) && !pending.entered.contains(index) {
                 continue;
             }
-            match view.verdict {
+            match view.verdict.filter(|_| is_by_counts != pending.entered.contains(index)) {
                 Some((boot, number, None)) if boot == self.boot_id && number == pending.request.number => {
                     // "Unknown" blocks here too, though the answer itself could not have changed.
                     missing |= self.now >= view.known_until;
                 }
                 Some((boot, number, Some(in_the_way))) if boot == self.boot_id && number == pending.request.number => {
-                    let by = view.station;
-                    self.note(HappeningKind::NotAgreed { by, in_the_way });
-                    self.note(HappeningKind::Refused);
-                    self.agreement.refusal = Some((by, in_the_way, pending.request.ops));
-                    return WithdrawalState::NotAgreed;
+                    let (by, in_the_way, ops) = (view.station, Some(in_the_way), pending.request.ops);
+                    return WithdrawalState::NotAgreed(AgreementRefusal { by, in_the_way, ops });
                 }
                 Some(_) | None => missing = true,
             }

@@ -202,6 +202,10 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
         StationWait::Arrow { .. } => StationWait::Arrow { station, op, cycle: 7, own };
         StationWait::Agreement { .. } => StationWait::Agreement { station, is_heard: true, ops: op },
             StationWait::Agreement { station, is_heard: false, ops: op };
+        StationWait::EntryAgreement { .. } => StationWait::EntryAgreement { station, is_heard: true },
+            StationWait::EntryAgreement { station, is_heard: false };
+        StationWait::EntryRejected { .. } => StationWait::EntryRejected { station, op: Some(own) },
+            StationWait::EntryRejected { station, op: None };
         StationWait::Disagreement { .. } => StationWait::Disagreement { station, op: own, ops: op };
     });
     waits.extend(doubts().into_iter().map(|doubt| StationWait::Rejoin(doubt, RejoinAdvice::NoOperation)));

@@ -99,6 +99,11 @@ pub enum StationWait<'a> {
     Arrow { station: &'a str, op: &'a str, cycle: i32, own: &'a str },
     /// The agreement of another station to withdraw counts.
     Agreement { station: &'a str, is_heard: bool, ops: &'a str },
+    /// The agreement of another station to a motion that relies on its measured position alone.
+    EntryAgreement { station: &'a str, is_heard: bool },
+    /// A motion that relies on the measured position of another station alone; that has its own operation under way, or is about
+    /// to begin one.
+    EntryRejected { station: &'a str, op: Option<&'a str> },
     /// Counts that another station does not agree to take back, because of its operation.
     Disagreement { station: &'a str, op: &'a str, ops: &'a str },
 }
@@ -271,14 +276,24 @@ impl StationWait<'_> {
             }
             StationWait::Arrow { station, op, cycle, own } => format!("{station}: {op} (cycle {cycle}), for {own}"),
             StationWait::Agreement { station, is_heard, ops } => {
-                let heard = if is_heard { "" } else { " (no state received)" };
-                format!("agreement of {station}{heard} to withdraw {ops}")
+                format!("agreement of {station}{} to withdraw {ops}", heard(is_heard))
+            }
+            StationWait::EntryAgreement { station, is_heard } => {
+                format!("agreement of {station}{} to stand meanwhile: no common generation", heard(is_heard))
+            }
+            StationWait::EntryRejected { station, op } => {
+                let what = op.unwrap_or("a motion that is about to start");
+                format!("the end of {what} of {station}, no common generation: command it again then")
             }
             StationWait::Disagreement { station, op, ops } => {
                 format!("withdrawal of {ops}: rejected by {station}, {op} has started")
             }
         }
     }
+}
+
+const fn heard(is_heard: bool) -> &'static str {
+    if is_heard { "" } else { " (no state received)" }
 }
 
 impl PositionDoubt {

@@ -34,10 +34,10 @@ impl StationHappening {
                 StopCause::IndexDoubtful { op, input, places }.detail(line, station)
             }
             HappeningKind::PositionFound => "position confirmed by the limit switches".to_owned(),
-            HappeningKind::Asked(number) => format!("requested withdrawal of counts (request {number})"),
+            HappeningKind::Asked(number) => format!("requested agreement (request {number})"),
             HappeningKind::NotAgreed { by, in_the_way } => {
                 format!(
-                    "withdrawal rejected by {}: {} has started",
+                    "request rejected by {}: {} has started",
                     line.station(by).name,
                     line.operation((by, in_the_way)).name
                 )

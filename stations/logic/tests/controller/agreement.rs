@@ -49,11 +49,7 @@ fn a_refusal_names_the_operation_in_the_way_and_asks_no_more_until_pressed_again
     rig.hear(B, b_says(Some((number, Some(OpId(0))))));
     assert_eq!(
         rig.events(),
-        [
-            "requested withdrawal of counts (request 1)",
-            "withdrawal rejected by b: op 0 has started",
-            "rejected the command"
-        ]
+        ["requested agreement (request 1)", "request rejected by b: op 0 has started", "rejected the command"]
     );
     assert_eq!(
         rig.blocked_by().last().map(String::as_str),

@@ -6,13 +6,13 @@ use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Arrow, Line, OpId, OutputId, StationId, Tick};
 use linewright_station_logic::{
     CompileError, Controller, Founding, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Program, RejoinAt,
-    Restore, StationInput, StationOutbox, StationReport,
+    Restore, StationInput, StationOutbox, StationReport, WithdrawalAnswer,
 };
 
 use linewright_testkit::built::transfer_line;
 
 pub const BAR: StationId = StationId(0);
-const CLAMP: StationId = StationId(1);
+pub const CLAMP: StationId = StationId(1);
 pub const MILL: StationId = StationId(2);
 pub const GENERATION: u64 = 5;
 
@@ -22,6 +22,10 @@ pub struct InterlockBench {
     now: Tick,
     pub order: ModeOrder,
     outputs: u128,
+    /// The output image in force when the input image was taken.
+    pub under: u64,
+    /// The others agree to each request.
+    pub agree: bool,
     pub bar: StationReport,
     pub mill: StationReport,
     image: u128,
@@ -33,7 +37,7 @@ impl InterlockBench {
         InterlockBench::standing(line, generation, &["LS_open"])
     }
 
-    fn standing(line: Line, generation: u64, on: &[&str]) -> Self {
+    pub fn standing(line: Line, generation: u64, on: &[&str]) -> Self {
         let mut bench = InterlockBench {
             clamp: Controller::new(&line, CLAMP, 1, Restore::Fresh).expect("it compiles"),
             now: Tick::from_millis(1000),
@@ -43,6 +47,8 @@ impl InterlockBench {
                 ..ModeOrder::of(9, 1, ControlMode::StandBy, Duration::from_secs(1))
             },
             outputs: 0,
+            under: NO_DELAY,
+            agree: true,
             bar: report(&line, BAR, &["LS_vertical_0", "LS_horizontal_0"], GENERATION),
             mill: report(&line, MILL, &["LS_positioning_0", "LS_main_0"], GENERATION),
             image: inputs(&line, CLAMP, on),
@@ -55,14 +61,23 @@ impl InterlockBench {
     /// Everything is sent once more.
     pub fn play(&mut self) {
         self.now = self.now + Duration::from_millis(20);
+        if let Some(request) = self.clamp.request().filter(|_| self.agree) {
+            self.answer(self.clamp.report().boot_id, request.number, None);
+        }
         let mut out = StationOutbox::default();
-        let image = StationInput::Inputs { bits: self.image, valid: true, until: Tick::NEVER, under: NO_DELAY };
+        let image = StationInput::Inputs { bits: self.image, valid: true, until: Tick::NEVER, under: self.under };
         self.clamp.handle(self.now, image);
         self.clamp.handle(self.now, StationInput::Order(self.order));
         self.clamp.handle(self.now, StationInput::View(BAR, &self.bar));
         self.clamp.handle(self.now, StationInput::View(MILL, &self.mill));
         self.clamp.step(self.now, &mut out);
         self.outputs = out.outputs;
+    }
+
+    /// Both others answer a request of this life of the clamp.
+    pub fn answer(&mut self, boot_id: u64, number: u64, in_the_way: Option<OpId>) {
+        let answer = WithdrawalAnswer { to: CLAMP, boot_id, number, in_the_way };
+        (self.bar.answers, self.mill.answers) = (vec![answer], vec![answer]);
     }
 
     pub fn mode(&mut self, mode: ControlMode) {
@@ -74,6 +89,7 @@ impl InterlockBench {
         self.clamp.handle(self.now, StationInput::Panel(command(false)));
         self.play();
         self.clamp.handle(self.now, StationInput::Panel(command(true)));
+        self.play();
         self.play();
     }
 

@@ -5,6 +5,7 @@ mod auto;
 mod beside;
 mod bolt;
 mod commands;
+mod entry;
 mod faults;
 mod hand;
 mod homing;
