@@ -5,6 +5,8 @@
 //! the same with starts and ends apart; both written out, with a place for each stage that parts can be in. Of one that can
 //! be played a third: with error places, diagnosis and recoveries.
 
+mod svg;
+
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -13,8 +15,8 @@ use clap::ValueEnum;
 use linewright_cell::net::{Detail, Supply};
 use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, recovery_net};
 use linewright_coordinator_logic::decision;
-use linewright_line::Line;
-use linewright_line::net::StationNet;
+use linewright_line::net::{NetSheet, StationNet};
+use linewright_line::{Line, Station};
 use linewright_nets::coloured::{Colours, unfold};
 use linewright_nets::{Net, dot};
 use miette::{IntoDiagnostic, WrapErr, miette};
@@ -43,14 +45,42 @@ enum NetFormat {
     Pnml,
     /// Drawings for GraphViz.
     Dot,
+    /// Finished drawings, of a line's nets.
+    Svg,
 }
 
-impl NetFormat {
-    fn of(self, net: &Net) -> (&'static str, String) {
+/// A net, and how it is drawn.
+enum DrawnNet<'a> {
+    /// A station's.
+    Station(&'a Station, StationNet, NetSheet),
+    /// One with its places in a ring.
+    Ring(Net),
+    /// By other tools.
+    Plain(&'a Net),
+}
+
+impl DrawnNet<'_> {
+    fn net(&self) -> &Net {
         match self {
-            NetFormat::Pnml => ("pnml", linewright_pnml::write(net)),
-            NetFormat::Dot => ("dot", dot(net)),
+            DrawnNet::Station(_, net, _) => net.net(),
+            DrawnNet::Ring(net) => net,
+            DrawnNet::Plain(net) => net,
         }
+    }
+
+    /// The file's extension and content.
+    fn content(&self, format: NetFormat) -> miette::Result<(&'static str, String)> {
+        let no_drawing =
+            || miette!("net '{}' has no drawing: give --format dot, and draw it with GraphViz", self.net().name());
+        Ok(match (format, self) {
+            (NetFormat::Pnml, _) => ("pnml", linewright_pnml::write(self.net())),
+            (NetFormat::Dot, _) => ("dot", dot(self.net())),
+            (NetFormat::Svg, DrawnNet::Station(station, net, sheet)) => ("svg", svg::of_station(station, net, sheet)),
+            (NetFormat::Svg, DrawnNet::Ring(net)) => {
+                ("svg", svg::of_ring(net, &NetSheet::ring(net).ok_or_else(no_drawing)?))
+            }
+            (NetFormat::Svg, DrawnNet::Plain(_)) => return Err(no_drawing()),
+        })
     }
 }
 
@@ -68,10 +98,12 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
 
 fn of_line(args: &Args, line: &Line) -> miette::Result<()> {
     for id in line.station_ids() {
-        write(args, &line.station(id).name, StationNet::of(line, id).net())?;
+        let net = StationNet::of(line, id);
+        let sheet = NetSheet::of(line, id, &net);
+        write(args, &line.station(id).name, &DrawnNet::Station(line.station(id), net, sheet))?;
     }
     // A station's name has no dash in it, so this is none of theirs, nor are the cell's.
-    write(args, "mode-decision", &decision::net())
+    write(args, "mode-decision", &DrawnNet::Ring(decision::net()))
 }
 
 fn of_cell(args: &Args, cell: &linewright_cell::Cell) -> miette::Result<()> {
@@ -81,7 +113,7 @@ fn of_cell(args: &Args, cell: &linewright_cell::Cell) -> miette::Result<()> {
             miette!("the cell has no net: {}", errors.join("; "))
         })?;
         let long = unfold(net.net(), Colours::Reachable, NODES_MAX).into_diagnostic()?;
-        write(args, name, long.net())?;
+        write(args, name, &DrawnNet::Plain(long.net()))?;
     }
     // Without reservations the cell is not played, and needs no recovery net.
     let pace = OrderTiming { repeat_interval: Duration::from_secs(1), grace: Duration::from_secs(1) };
@@ -90,11 +122,12 @@ fn of_cell(args: &Args, cell: &linewright_cell::Cell) -> miette::Result<()> {
         let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
         miette!("the cell has no net with what fails: {}", errors.join("; "))
     })?;
-    write(args, "cell-recovery", &recovery.net)
+    write(args, "cell-recovery", &DrawnNet::Plain(&recovery.net))
 }
 
-fn write(args: &Args, name: &str, net: &Net) -> miette::Result<()> {
-    let (extension, text) = args.format.of(net);
+fn write(args: &Args, name: &str, drawn: &DrawnNet) -> miette::Result<()> {
+    let (extension, text) = drawn.content(args.format)?;
+    let net = drawn.net();
     let file: &Path = &args.out.join(format!("{name}.{extension}"));
     std::fs::write(file, text).into_diagnostic().wrap_err_with(|| format!("cannot write {}", file.display()))?;
     crate::out::say!("wrote {}: {} places, {} transitions", file.display(), net.place_count(), net.transition_count());

@@ -271,6 +271,15 @@ fn the_nets_of_the_shipped_line_are_written_and_hold() {
     let output = linewright(&["nets", line, "--out", &out, "--format", "dot"]);
     assert!(output.status.success(), "{output:?}");
     assert!(scratch.read("out/clamp_1.dot").starts_with("digraph \"clamp_1\""));
+    let output = linewright(&["nets", line, "--out", &out, "--format", "svg"]);
+    assert!(output.status.success(), "{output:?}");
+    let drawn = scratch.read("out/clamp_1.svg");
+    assert_eq!(
+        (drawn.matches("<circle").count(), drawn.matches("<rect").count()),
+        (12 + 1, 22 + 1),
+        "a token, a ground"
+    );
+    assert!(drawn.contains("<title>advance clamp C^N</title>") && drawn.ends_with("</svg>\n"), "{drawn}");
     let output = linewright(&["nets", "no/such/line", "--out", &out]);
     assert!(output.status.code() == Some(1) && text(&output.stderr).contains("no/such/line"), "{output:?}");
 }

@@ -213,6 +213,13 @@ impl World {
             let by = Duration::from_micros(rng.within(5_000, 120_000));
             self.also(1_000_000, 3_000_000, FaultEvent::Slow { from, to, by, is_even: true });
         }
+        // One of them is started once more, perhaps while it moves: its outputs outlive it.
+        if rng.chance(400) {
+            let (after, lasts, remembers) =
+                (rng.within(1_250_000, 3_000_000), rng.within(10_000, 150_000), rng.chance(500));
+            self.also(after, lasts, FaultEvent::Kill { node: *rng.pick(&pair), after: 0, remembers });
+            self.also(after + lasts + 300_000, 1_000, FaultEvent::Command(ModeCommand::Manual));
+        }
         for round in 0..5 {
             for node in pair {
                 let (after, is_advance) = (1_200_000 + 450_000 * round + rng.within(0, 60_000), rng.chance(700));

@@ -154,7 +154,7 @@ impl Controller {
             homing: Homing::default(),
             resumed: 0,
             orders: program.tasks.as_ref().map(|_| Box::new(OrderSlot::new(boot_id))),
-            output: StationOutput::default(),
+            output: StationOutput::NONE,
             due: Due { outputs: true, report: true, settled: false, deadline: Tick::ZERO },
             fired: Fired::NONE,
             events: Vec::with_capacity(64),
@@ -263,10 +263,8 @@ impl Controller {
                 let me = (self.program.station, self.boot_id);
                 let answer = |views: &PeerViews| views.peers.iter().find(|v| v.station == station).map(|v| v.answer);
                 let before = answer(&self.views);
-                let asks = self.views.hear(now, me, &self.program, &self.counts.started, station, report)?;
-                if let Some(peer) = asks {
-                    self.answer_entry(peer);
-                }
+                self.views.hear(now, me, &self.program, &self.counts.started, station, report)?;
+                self.answer_entries();
                 self.due.report |= before != answer(&self.views);
             }
             StationInput::Task(command) => return self.command(command),

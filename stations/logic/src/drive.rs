@@ -61,6 +61,11 @@ impl Controller {
             self.output.bits = outputs;
             self.output.number = number;
         }
+        let moves = self.homing.is_driven || self.tokens().iter().any(|token| token.driven);
+        if self.output.moves && !moves {
+            self.output.stood_at = self.now;
+        }
+        self.output.moves = moves;
         self.due.deadline = deadline;
         self.due.outputs = false;
     }
@@ -98,7 +103,7 @@ impl Controller {
         report.recovering_home = self.marking.path.is_some();
         report.at_home = self.is_at_home();
         report.round = self.home_round() + i32::from(!report.at_home);
-        report.stopped = !self.homing.is_driven && !self.tokens().iter().any(|t| t.driven);
+        report.stopped = !self.output.moves;
         report.selector_manual = self.commands.selector_manual();
         report.devices_valid = self.image.valid;
         report.request = self.agreement.pending.map(|p| p.request);

@@ -438,7 +438,10 @@ impl Controller {
         for peer in (pending.needs | pending.entered).iter() {
             let view = &self.views.peers[peer];
             let is_heard = now < view.known_until;
-            let agreed = matches!(view.verdict, Some((_, number, None)) if number == pending.request.number);
+            let is_by_counts = self.views.shares_generation(peer);
+            let mine = (self.boot_id, pending.request.number);
+            let agreed = is_by_counts != pending.entered.contains(peer)
+                && matches!(view.verdict, Some((boot, number, None)) if (boot, number) == mine);
             if !agreed {
                 let station = &line.station(view.station).name;
                 reasons.push(match pending.entered.contains(peer) {

@@ -126,7 +126,8 @@ impl Controller {
         if guard.own != OwnSide::Inside {
             return None;
         }
-        if !self.views.stands(peer, self.now) {
+        // With a request open it is about to move.
+        if !self.views.stands(peer, self.now) || view.request.is_some() {
             return Some(HomingNeed::Standstill(view.station));
         }
         let mut spans = self.program.spans.iter().filter(|span| span.conflict == guard.conflict);

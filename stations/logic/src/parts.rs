@@ -185,12 +185,21 @@ pub(crate) struct Agreement {
 }
 
 /// The output image.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct StationOutput {
     /// Bit `i` is output `i` of the description.
     pub bits: u128,
-    /// Grows with every change of the image, and with every motion that begins.
+    /// Grows with every change of the image, and with every motion that begins. It begins at 1: 0 is that of an input image under no
+    /// outputs of this life.
     pub number: u64,
+    /// A motion is driven by it.
+    pub moves: bool,
+    /// When the last motion ended.
+    pub stood_at: Tick,
+}
+
+impl StationOutput {
+    pub const NONE: StationOutput = StationOutput { bits: 0, number: 1, moves: false, stood_at: Tick::ZERO };
 }
 
 /// Work of the next step.

@@ -49,7 +49,7 @@ impl Controller {
         }
     }
 
-    fn may_be_resumed(&self, op: OpId) -> bool {
+    pub(crate) fn may_be_resumed(&self, op: OpId) -> bool {
         self.marking.path.is_none() && self.is_placed() && self.others_are_outside(op) && self.is_measured_clear(op)
     }
 

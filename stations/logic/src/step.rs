@@ -79,6 +79,10 @@ impl Controller {
         self.fired.clear();
         let edges = bit::edges(self.levels.now & !self.levels.before);
         self.levels.before = self.levels.now;
+        let unanswered = !self.views.unanswered().is_empty();
+        if unanswered {
+            self.answer_entries();
+        }
         let mut fired = self.agreement.pending.is_some() && self.settle();
         fired |= self.pass(self.levels.now | edges);
         let is_free = !fired && self.agreement.pending.is_none();
@@ -98,7 +102,7 @@ impl Controller {
             self.drive();
         }
         // What an edge has held back, or a request, or a chain cut short, is looked at again.
-        self.due.settled &= edges == 0 && self.agreement.pending.is_none() && ended;
+        self.due.settled &= edges == 0 && self.agreement.pending.is_none() && !unanswered && ended;
         if !ended {
             self.due.deadline = Tick::ZERO;
         }
@@ -128,6 +132,7 @@ impl Controller {
 
     fn enter_mode(&mut self, mode: ControlMode) {
         self.note(HappeningKind::Mode(mode));
+        self.agreement.refusal = None;
         self.order_in_mode(mode);
         self.due.report = true;
         for token in &mut self.marking.tokens[..self.marking.count] {
@@ -148,6 +153,9 @@ impl Controller {
         // not come back to one: an agreement is to a count that was, not to the next one in the same place.
         if !self.are_enabled(&pending) {
             self.due.report = true;
+            if self.are_marked(&pending) {
+                self.note(HappeningKind::Refused);
+            }
             return false;
         }
         match self.standing(&pending, self.levels.now, self.commands.mode()) {
@@ -175,10 +183,22 @@ impl Controller {
     /// Whether the tokens still stand where the command found them, and the arrows it reads still hold: while others
     /// were agreeing to our request, we may have agreed to theirs.
     fn are_enabled(&self, pending: &PendingWithdrawal) -> bool {
+        let is_resumed = pending.hold & bit::RESUME != 0;
+        let mut rows = pending.rows().iter().map(|&row| &self.program.rows[usize::from(row)]);
+        self.are_marked(pending)
+            && rows.all(|row| {
+                let resumed = match self.program.actions[usize::from(row.transition)].kind {
+                    TransitionKind::Resume(op, _) if is_resumed => self.may_be_resumed(op),
+                    _ => true,
+                };
+                resumed && self.allows(row, pending.mode)
+            })
+    }
+
+    fn are_marked(&self, pending: &PendingWithdrawal) -> bool {
         let marked = |place: &u16| self.tokens().iter().any(|t| t.place == *place);
-        pending.rows().iter().map(|&row| &self.program.rows[usize::from(row)]).all(|row| {
-            self.program.actions[row.transition as usize].from.iter().all(marked) && self.allows(row, pending.mode)
-        })
+        let rows = pending.rows().iter().map(|&row| &self.program.rows[usize::from(row)]);
+        rows.flat_map(|row| &self.program.actions[usize::from(row.transition)].from).all(marked)
     }
 
     /// Looks at every token once, on the state before the pass, then fires what may fire.

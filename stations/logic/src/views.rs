@@ -15,6 +15,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{OpId, StationId, Tick};
 
 use crate::ignored::Ignored;
+use crate::peer_set::PeerSet;
 use crate::program::{IncomingArrow as Cause, Program};
 use crate::report::{StationReport, WithdrawalAnswer, WithdrawalRequest};
 use crate::rules::Rules;
@@ -24,6 +25,8 @@ use crate::rules::Rules;
 pub(crate) struct PeerView {
     pub station: StationId,
     pub boot_id: u64,
+    /// When this life of it was received first.
+    pub life_since: Tick,
     /// Unknown from then on.
     pub known_until: Tick,
     /// Its generation; 0 for none.
@@ -42,7 +45,7 @@ pub(crate) struct PeerView {
     pub places: Vec<u8>,
     pub recovering_home: bool,
     pub request: Option<WithdrawalRequest>,
-    /// Our answer to that request.
+    /// Our answer to that request; none yet where it waits for this station's standstill.
     pub answer: Option<WithdrawalAnswer>,
     /// The other's answer to a request of ours: (our boot id, number, operation in the way).
     pub verdict: Option<(u64, u64, Option<OpId>)>,
@@ -81,6 +84,7 @@ impl PeerViews {
         let view = |(&station, &operations): (&StationId, &usize)| PeerView {
             station,
             boot_id: 0,
+            life_since: Tick::ZERO,
             known_until: Tick::ZERO,
             generation: 0,
             position_lost: false,
@@ -107,7 +111,7 @@ impl PeerViews {
 
     /// Takes a report that is newer than the last one of that station.
     ///
-    /// Gives the peer if it has made a request that is not answered by counts, since it has none of this station's generation.
+    /// A request of a peer whose counts are not of this station's generation is not answered here (see `entry`).
     ///
     /// # Errors
     /// When it is not a peer's or does not fit its description; nothing has changed.
@@ -119,7 +123,7 @@ impl PeerViews {
         started: &[i32],
         from: StationId,
         report: &StationReport,
-    ) -> Result<Option<usize>, Ignored> {
+    ) -> Result<(), Ignored> {
         let index = self.peers.iter().position(|v| v.station == from).ok_or(Ignored::NotAPeer)?;
         let view = &mut self.peers[index];
         let bits = view.done.len();
@@ -145,20 +149,30 @@ impl PeerViews {
         }
         view.verdict = report.answers.iter().find(|a| a.to == me.0).map(|a| (a.boot_id, a.number, a.in_the_way));
         let same = view.boot_id == report.boot_id && view.request == report.request;
+        if view.boot_id != report.boot_id {
+            view.life_since = now;
+        }
         view.boot_id = report.boot_id;
         view.request = report.request;
         if same {
-            return Ok(None);
+            return Ok(());
         }
         self.peers[index].answer = None;
-        let Some(request) = report.request else { return Ok(None) };
         // To agree to a withdrawal is to have compared counts.
-        if !self.shares_generation(index) {
-            return Ok(Some(index));
+        if let Some(request) = report.request.filter(|_| self.shares_generation(index)) {
+            let in_the_way = in_the_way(program, index, &self.peers[index], request, started);
+            self.answer(index, request, in_the_way);
         }
-        let in_the_way = in_the_way(program, index, &self.peers[index], request, started);
-        self.answer(index, request, in_the_way);
-        Ok(None)
+        Ok(())
+    }
+
+    /// The peers with a request that has no answer yet, though their counts belong to another generation.
+    pub(crate) fn unanswered(&self) -> PeerSet {
+        let waits = |peer: &usize| {
+            let view = &self.peers[*peer];
+            view.request.is_some() && view.answer.is_none() && !self.shares_generation(*peer)
+        };
+        (0..self.peers.len()).filter(waits).collect()
     }
 
     /// Answers the request of a peer.
@@ -185,10 +199,12 @@ impl PeerViews {
         (now < view.measured_until).then_some(view.measured)
     }
 
-    /// Whether a peer reports that nothing of it is driven, and that its devices are in order.
+    /// Whether a peer reports that nothing of it is driven, and that its devices are in order. A gateway puts out what an earlier
+    /// life of it sent last for as long as that is not too old.
     pub(crate) fn stands(&self, peer: usize, now: Tick) -> bool {
         let view = &self.peers[peer];
-        view.stopped && now < view.measured_until && self.is_heard(peer, now)
+        let is_first = self.rules.timely && now < view.life_since + self.stale;
+        view.stopped && !is_first && now < view.measured_until && self.is_heard(peer, now)
     }
 
     /// Whether a peer's counts may be compared with those of this station, which is in `cycle`.
@@ -257,7 +273,7 @@ impl PeerViews {
 
     /// Time at which the next view becomes unknown.
     pub(crate) fn deadline(&self, now: Tick) -> Tick {
-        let ends = self.peers.iter().flat_map(|v| [v.known_until, v.measured_until]);
+        let ends = self.peers.iter().flat_map(|v| [v.known_until, v.measured_until, v.life_since + self.stale]);
         ends.filter(|&t| t > now).min().unwrap_or(Tick::NEVER)
     }
 }

@@ -113,6 +113,7 @@ impl Controller {
             pending.hold ^= bit::ADVANCE | bit::RESUME;
         }
         self.agreement.pending = Some(pending);
+        self.agreement.refusal = None;
         self.due.report = true;
         self.note(HappeningKind::Asked(number));
     }
@@ -136,20 +137,27 @@ impl Controller {
         if mode != pending.mode || levels & pending.hold != pending.hold || !self.image.valid {
             return WithdrawalState::GivenUp;
         }
+        // What a motion relies on may have changed since the request: a station that was not asked may have lost its generation.
+        let entered = self.entered_now(pending);
+        if let Some(peer) = entered.iter().find(|&peer| !pending.entered.contains(peer)) {
+            let by = self.views.peers[peer].station;
+            return WithdrawalState::NotAgreed(AgreementRefusal { by, in_the_way: None, ops: 0 });
+        }
         let mut missing = false;
         for (index, view) in self.views.peers.iter().enumerate() {
             // What has another generation since was answered by positions, or not at all.
             let is_by_counts = self.views.shares_generation(index);
-            if !pending.needs.contains(index) && !pending.entered.contains(index) {
+            if !pending.needs.contains(index) && !entered.contains(index) {
                 continue;
             }
-            match view.verdict.filter(|_| is_by_counts != pending.entered.contains(index)) {
+            match view.verdict.filter(|_| is_by_counts != entered.contains(index)) {
                 Some((boot, number, None)) if boot == self.boot_id && number == pending.request.number => {
                     // "Unknown" blocks here too, though the answer itself could not have changed.
                     missing |= self.now >= view.known_until;
                 }
                 Some((boot, number, Some(in_the_way))) if boot == self.boot_id && number == pending.request.number => {
-                    let (by, in_the_way, ops) = (view.station, Some(in_the_way), pending.request.ops);
+                    let ops = if entered.contains(index) { 0 } else { pending.request.ops };
+                    let (by, in_the_way) = (view.station, Some(in_the_way));
                     return WithdrawalState::NotAgreed(AgreementRefusal { by, in_the_way, ops });
                 }
                 Some(_) | None => missing = true,

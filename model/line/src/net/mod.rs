@@ -9,6 +9,7 @@ mod connect;
 mod exclusive;
 mod hand;
 mod module;
+mod sheet;
 mod station;
 mod task_driven;
 
@@ -16,4 +17,5 @@ pub use condition::{Conjunction, ControlMode, Literal, Var};
 pub use connect::{StationTransition, TransitionKind};
 pub use exclusive::{Overlap, overlaps, overlaps_among};
 pub use module::{Block, MotionStage, StationPlace};
+pub use sheet::{NODE_RADIUS, NetSheet, SheetArc, SheetPoint};
 pub use station::StationNet;

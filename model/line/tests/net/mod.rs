@@ -4,5 +4,6 @@
 mod exclusive;
 mod figures;
 mod generate;
+mod sheet;
 mod structure;
 mod words;

@@ -279,11 +279,11 @@ impl StationWait<'_> {
                 format!("agreement of {station}{} to withdraw {ops}", heard(is_heard))
             }
             StationWait::EntryAgreement { station, is_heard } => {
-                format!("agreement of {station}{} to stand meanwhile: no common generation", heard(is_heard))
+                format!("agreement of {station}{} to stand meanwhile: no counts keep the two apart", heard(is_heard))
             }
             StationWait::EntryRejected { station, op } => {
-                let what = op.unwrap_or("a motion that is about to start");
-                format!("the end of {what} of {station}, no common generation: command it again then")
+                let what = op.map_or("is about to move".to_owned(), |op| format!("{op} is under way"));
+                format!("{station} to stand ({what}): no counts keep the two apart; command it again then")
             }
             StationWait::Disagreement { station, op, ops } => {
                 format!("withdrawal of {ops}: rejected by {station}, {op} has started")

@@ -54,8 +54,13 @@ impl InterlockBench {
             image: inputs(&line, CLAMP, on),
             line,
         };
-        bench.play();
+        bench.wait();
         bench
+    }
+
+    /// Everything is sent again and again, for longer than an image is valid.
+    pub fn wait(&mut self) {
+        (0..15).for_each(|_| self.play());
     }
 
     /// Everything is sent once more.
