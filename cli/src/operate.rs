@@ -271,21 +271,14 @@ enum PressOutcome {
     LetGo(String),
 }
 
-/// State that changes with every motion that starts: places, cycles started, cycles done, and whether a drive is homed at a rest,
-/// which marks no place.
+/// State that changes with every motion that starts: places, cycles started, cycles done, and whether something moves: a hand-mode
+/// motion that goes on changes no place, and the homing of a drive at a rest marks none.
 type Motions = Vec<Option<(Vec<u8>, Vec<i32>, Vec<i32>, bool)>>;
 
 fn motions(client: &OperatorClient, stations: &[StationId]) -> Motions {
-    let of = |state: &StationState| {
-        (state.places.to_vec(), state.started.to_vec(), state.done.to_vec(), is_homing(state.stopped, &state.places))
-    };
+    let of =
+        |state: &StationState| (state.places.to_vec(), state.started.to_vec(), state.done.to_vec(), !state.stopped);
     stations.iter().map(|id| client.station(*id).map(of)).collect()
-}
-
-/// Whether a station that moves does so without an operation under way: its drive is homed.
-fn is_homing(stopped: bool, places: &[u8]) -> bool {
-    let operates = |place: &u8| [StationState::PLACE_OPERATING, StationState::PLACE_UNDOING].contains(place);
-    !stopped && !places.iter().any(operates)
 }
 
 /// Why a button that was held has moved nothing.
@@ -382,7 +375,7 @@ async fn hold(
     let stopped = stations.iter().zip(&held).filter_map(|(id, held)| {
         let state = client.station(*id)?;
         let text = held.let_go(state)?;
-        Some(format!("{}: {} {text}", client.line().station(*id).name, state.operation))
+        Some(format!("{}: {}; {text}", client.line().station(*id).name, state.operation))
     });
     let stopped: Vec<String> = stopped.collect();
     Ok(if stopped.is_empty() { PressOutcome::Obeyed } else { PressOutcome::LetGo(stopped.join("\n")) })
@@ -437,14 +430,5 @@ mod tests {
         ] {
             assert_eq!(standing_fault(&state), expected);
         }
-    }
-
-    /// It marks no place and counts nothing, and yet the button that is held moves something.
-    #[test]
-    fn a_homing_at_rest_is_a_motion() {
-        let completed = [StationState::PLACE_COMPLETED, StationState::PLACE_NONE];
-        assert!(is_homing(false, &completed));
-        assert!(!is_homing(true, &completed));
-        assert!(!is_homing(false, &[StationState::PLACE_OPERATING, StationState::PLACE_NONE]));
     }
 }

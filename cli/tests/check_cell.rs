@@ -262,6 +262,9 @@ fn the_nets_of_a_cell_are_written_and_are_those_that_were_checked() {
     let output = linewright(&["nets", dir, "--out", &out, "--format", "dot"]);
     assert!(output.status.success() && scratch.read("out/cell-expanded.dot").starts_with("digraph"), "{output:?}");
     let output = linewright(&["nets", dir, "--out", &out, "--format", "svg"]);
-    assert!(output.status.code() == Some(1) && text(&output.stderr).contains("--format dot"), "{output:?}");
+    assert!(
+        output.status.code() == Some(1) && crate::support::command::text(&output.stderr).contains("--format dot"),
+        "{output:?}"
+    );
     assert!(scratch.read("out/robot_2.svg").ends_with("</svg>\n"), "those of the line are drawn");
 }

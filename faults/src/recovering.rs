@@ -142,6 +142,9 @@ impl World {
                 self.run_for(longest.mul_f64(1.3) + Duration::from_millis(500));
                 self.hold_resume(false);
             }
+            RecoveryAction::AutoAgain(station) => {
+                unreachable!("{station:?}: a line without a cell has no manual beside auto")
+            }
             RecoveryAction::Selector(station, manual) => self.say_selector(station.index(), *manual),
             RecoveryAction::Rejoin { station, at, or_within } => {
                 let at = self.seen_place(*station, *at, or_within);

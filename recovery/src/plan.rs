@@ -90,6 +90,12 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     let Some(mut reports) = heard.filter(|reports| reports.len() == line.stations.len()) else {
         return RecoveryPlan::ends(steps, RecoveryEnd::LookAgain);
     };
+    let alone: Vec<StationId> = line.station_ids().filter(|id| is_alone(&reports[id.index()], is_in_auto)).collect();
+    if !alone.is_empty() && led.iter().all(|id| alone.contains(id)) {
+        steps.extend(beside_auto(line, situation, (&alone, &led), &reports));
+        steps.extend(answers());
+        return RecoveryPlan::ends(steps, RecoveryEnd::Auto);
+    }
     if situation.mode == ControlMode::Auto && (!is_in_auto || led.is_empty()) {
         steps.extend((!is_in_auto).then(|| first(Need::Acknowledged)).into_iter().chain(answers()));
         return RecoveryPlan::ends(steps, RecoveryEnd::Auto);
@@ -151,6 +157,37 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
         steps.append(&mut found.steps);
         return RecoveryPlan { steps, ..found };
     }
+}
+
+/// Whether a station is in manual by itself, while the line is in auto.
+fn is_alone(report: &StationReport, is_in_auto: bool) -> bool {
+    is_in_auto && report.mode == Some(ControlMode::Manual)
+}
+
+/// Stations in manual by themselves are led to a rest where an alarm asks for it, and given auto again.
+fn beside_auto(
+    line: &Line,
+    situation: &LineSituation,
+    (alone, led): (&[StationId], &[StationId]),
+    reports: &[StationReport],
+) -> Vec<RecoveryStep> {
+    let mut steps = Vec::new();
+    if !led.is_empty() {
+        let left_out = line.station_ids().collect();
+        let manual = LineSituation { mode: ControlMode::Manual, left_out, ..situation.clone() };
+        let units: Result<PlayedStations, RestoreMisfit> =
+            line.station_ids().zip(reports).map(|(id, report)| unit(line, id, report).map(Rc::new)).collect();
+        let found = units.map(|units| by_commands_and_presses(line, &manual, led, units).steps).unwrap_or_default();
+        steps.extend(found.into_iter().filter(|step| !matches!(step.action, RecoveryAction::Command(_))));
+    }
+    steps.extend(alone.iter().map(|&station| RecoveryStep {
+        action: RecoveryAction::AutoAgain(station),
+        moves: Vec::new(),
+        is_doubtful: false,
+        mode: ControlMode::Auto,
+        after: None,
+    }));
+    steps
 }
 
 /// What has to be before anything else, and no command does.

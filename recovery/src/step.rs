@@ -57,6 +57,8 @@ pub enum Need {
 pub enum RecoveryAction {
     First(Need),
     Command(ModeCommand),
+    /// Auto for a station that is in manual by itself.
+    AutoAgain(StationId),
     /// Held until the motion has arrived, then released.
     Press(StationId, PanelButton),
     /// Held at the console until what it leads on has arrived at every station, then released.
@@ -116,7 +118,9 @@ impl RecoveryAction {
         match self {
             RecoveryAction::First(need) => need.station(),
             RecoveryAction::Command(_) | RecoveryAction::Resume => None,
-            RecoveryAction::Press(station, _) | RecoveryAction::Selector(station, _) => Some(*station),
+            RecoveryAction::Press(station, _)
+            | RecoveryAction::Selector(station, _)
+            | RecoveryAction::AutoAgain(station) => Some(*station),
             RecoveryAction::Rejoin { station, .. } => Some(*station),
         }
     }

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{Line, OpId, Owner, StationId};
 use linewright_station_logic::RejoinAt;
@@ -146,7 +147,9 @@ impl RecoveryStep {
                 Some(station) => format!("{}: {}", name(station), need.text(line)),
                 None => need.text(line),
             },
+            RecoveryAction::Command(ModeCommand::Stop) => "command stop, and wait until nothing moves".to_owned(),
             RecoveryAction::Command(command) => format!("command {}", command.name()),
+            RecoveryAction::AutoAgain(station) => format!("{}: command auto for it alone", name(*station)),
             RecoveryAction::Selector(station, manual) => {
                 format!("{}: selector to {}", name(*station), if *manual { "manual" } else { "auto" })
             }
@@ -228,7 +231,10 @@ impl RecoveryStep {
             }
             RecoveryAction::First(Need::Reset(station)) => words(&["resource", "LINE", &name(*station), "reset"]),
             RecoveryAction::First(_) => return Vec::new(),
+            // What follows is refused before that.
+            RecoveryAction::Command(ModeCommand::Stop) => words(&["mode", "LINE", "stop", "--wait"]),
             RecoveryAction::Command(command) => words(&["mode", "LINE", command.name()]),
+            RecoveryAction::AutoAgain(station) => words(&["mode", "LINE", "auto", "--station", &name(*station)]),
             RecoveryAction::Press(station, button) => {
                 let time = self.hold(line).as_secs_f64();
                 words(&["press", "LINE", button.name(), "--station", &name(*station), "--for", &format!("{time:.1}")])

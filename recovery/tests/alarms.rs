@@ -68,6 +68,39 @@ fn stations_that_an_alarm_asks_about_are_led_to_a_rest_before_its_answer() {
     }
 }
 
+/// Beside auto nothing is stopped for it, and no answer is taken before it is in auto again.
+#[test]
+fn a_station_in_manual_by_itself_is_led_and_given_auto_before_the_answer() {
+    let (line, mut seen) = two_are_left_out(ControlMode::Auto);
+    let alone = seen.left_out.clone();
+    for &id in &alone {
+        let report = seen.stations[id.index()].as_mut().expect("heard");
+        report.mode = Some(ControlMode::Manual);
+    }
+    let found = plan(&line, &seen);
+    let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
+    let is_command = |of: &RecoveryAction| matches!(of, RecoveryAction::Command(_));
+    assert_eq!((place_of(&found.steps, is_command), &found.end), (None, &RecoveryEnd::Auto), "{texts:#?}");
+    let answer = place_of(&found.steps, |of| matches!(of, RecoveryAction::First(Need::Answer(_))));
+    assert_eq!(answer, Some(found.steps.len() - 1), "{texts:#?}");
+    for &id in &alone {
+        let pressed = place_of(&found.steps, |of| matches!(of, RecoveryAction::Press(station, _) if *station == id));
+        let again = place_of(&found.steps, |of| *of == RecoveryAction::AutoAgain(id));
+        assert!(pressed.is_some() && pressed < again && again < answer, "{texts:#?}");
+        let name = &line.station(id).name;
+        let command = found.steps[again.expect("a step")].commands(&line);
+        assert_eq!(command, [["mode", "LINE", "auto", "--station", name]]);
+    }
+    // At a rest already: auto alone.
+    for &id in &alone {
+        let report = seen.stations[id.index()].as_mut().expect("heard");
+        (report.at_home, report.position_lost) = (true, None);
+        report.incomplete.clear();
+    }
+    let found = plan(&line, &seen);
+    assert_eq!(found.steps.len(), alone.len() + 1);
+}
+
 #[test]
 fn an_alarm_in_auto_is_a_step() {
     let (line, mut seen) = two_are_left_out(ControlMode::Auto);

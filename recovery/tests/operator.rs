@@ -75,6 +75,7 @@ pub fn follow(sim: &mut LineSim, step: &RecoveryStep) {
             run_for(sim, all.mul_f64(1.3) + Duration::from_millis(500));
             act(sim, OperatorAction::Resume(false));
         }
+        RecoveryAction::AutoAgain(_) => panic!("no station is in manual by itself: {}", described(sim)),
         RecoveryAction::Selector(station, manual) => act(sim, OperatorAction::Selector(*station, *manual)),
         RecoveryAction::Rejoin { station, at, .. } => {
             let within = match at {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::Block;
 use linewright_line::{Line, OperationModule};
 use linewright_recovery::{Need, PlannedMotion, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep};
@@ -101,6 +102,7 @@ impl StepJson {
             RecoveryAction::First(Need::Answer(_)) => ("answer", None, None),
             RecoveryAction::First(_) => ("first", None, None),
             RecoveryAction::Command(command) => ("command", None, Some(command.name())),
+            RecoveryAction::AutoAgain(_) => ("auto_again", None, Some(ModeCommand::Auto.name())),
             RecoveryAction::Press(_, button) => ("press", Some(button.name()), None),
             RecoveryAction::Resume => ("resume", None, None),
             RecoveryAction::Selector(_, manual) => ("selector", Some(if *manual { "manual" } else { "auto" }), None),
