@@ -2,13 +2,38 @@
 
 use std::collections::BTreeSet;
 
-use linewright_line::Line;
+use linewright_line::{Line, TransferLine, parse};
 use linewright_proof::explore::{LineExploration, Verdict};
 use linewright_proof::generate::{self, LineShape, break_it, breakages, text};
 use linewright_proof::parts::{parts, smallest_parts};
 use linewright_station_logic::Program;
 
 use crate::common::{APART, SOUND, begins_well, explored, lines, met, verdict, with_conflict};
+
+fn transfer_line(machines: usize) -> Line {
+    parse("line.toml", &TransferLine { machines, time_scale: 1.0 }.text()).expect("the shipped line is sound").line
+}
+
+#[test]
+fn a_line_of_one_machine_is_its_own_part() {
+    let line = transfer_line(1);
+    let parts = parts(&line);
+    assert_eq!(parts.len(), 1);
+    assert_eq!(parts[0].names(), "transfer, clamp_1, mill_1");
+    assert_eq!((&parts[0].line.arrows, &parts[0].line.conflicts), (&line.arrows, &line.conflicts));
+    assert_eq!(parts[0].conflicts, [0, 1]);
+}
+
+#[test]
+fn machines_beside_each_other_are_parts_that_differ_in_names_alone() {
+    let line = transfer_line(4);
+    let parts = parts(&line);
+    assert_eq!(parts.len(), 4);
+    assert!(parts.iter().all(|part| part.is_like(&parts[0])));
+    assert!(parts.iter().enumerate().all(|(nth, part)| part.names().contains(&format!("mill_{}", nth + 1))));
+    let decided: usize = parts.iter().map(|part| part.conflicts.len()).sum();
+    assert_eq!(decided, line.conflicts.len());
+}
 
 /// Whether the whole line meets its conflict, as far as it is explored; and whether the part that decides it is smaller
 /// and meets it too. A part whose stations run away from each other, while others hold them back in the whole line, is
@@ -87,7 +112,7 @@ fn star(around: usize, longer: u32) -> Line {
         text += &joined;
     }
     // Tables of the line may stand between its stations.
-    linewright_line::parse("star.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line
+    parse("star.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line
 }
 
 #[test]
