@@ -293,34 +293,3 @@ fn nameless(line: &Line) -> Line {
     line.conflicts.iter_mut().for_each(|conflict| conflict.why.clear());
     line
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use linewright_line::{TransferLine, parse};
-
-    fn transfer_line(machines: usize) -> Line {
-        parse("line.toml", &TransferLine { machines, time_scale: 1.0 }.text()).expect("the shipped line is sound").line
-    }
-
-    #[test]
-    fn a_line_of_one_machine_is_its_own_part() {
-        let line = transfer_line(1);
-        let parts = parts(&line);
-        assert_eq!(parts.len(), 1);
-        assert_eq!(parts[0].names(), "transfer, clamp_1, mill_1");
-        assert_eq!((&parts[0].line.arrows, &parts[0].line.conflicts), (&line.arrows, &line.conflicts));
-        assert_eq!(parts[0].conflicts, [0, 1]);
-    }
-
-    #[test]
-    fn machines_beside_each_other_are_parts_that_differ_in_names_alone() {
-        let line = transfer_line(4);
-        let parts = parts(&line);
-        assert_eq!(parts.len(), 4);
-        assert!(parts.iter().all(|part| part.is_like(&parts[0])));
-        assert!(parts.iter().enumerate().all(|(nth, part)| part.names().contains(&format!("mill_{}", nth + 1))));
-        let decided: usize = parts.iter().map(|part| part.conflicts.len()).sum();
-        assert_eq!(decided, line.conflicts.len());
-    }
-}

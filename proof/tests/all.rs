@@ -15,5 +15,6 @@ mod restarts;
 mod row;
 mod rules;
 mod single;
+mod structure;
 mod tables;
 mod task_driven;

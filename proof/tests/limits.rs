@@ -1,10 +1,13 @@
 //! Beyond the limits the verdict is undecided, or a refusal, never a yes, and memory stays within its limit.
 
+use linewright_line::net::ControlMode;
 use linewright_line::{Line, parse};
 use linewright_proof::explore::{
     LimitReached, LineExploration, LineExplored, LineNotExplorable, SearchLimits, Verdict, explore,
 };
 use linewright_proof::generate::{self, LineShape};
+
+use crate::common::explored;
 
 const MEBIBYTE: usize = 1 << 20;
 
@@ -77,6 +80,41 @@ fn a_station_that_can_do_very_much_by_itself_takes_no_more_memory_than_allowed()
         // One class of situations, and one batch of states, may come on top.
         assert!(explored.bytes < 2 * bytes, "{}", explored.bytes);
     }
+}
+
+#[test]
+fn classes_that_are_found_in_pieces_change_no_verdict() {
+    let mut setting = LineExploration::new(&side_by_side(4));
+    let lumped = explore(&setting, SearchLimits::default()).expect("one station can be explored");
+    setting.lumped = false;
+    let plain = explore(&setting, SearchLimits::default()).expect("one station can be explored");
+    println!("{} states, {} kept", plain.states, lumped.kept);
+    // More than are compared together.
+    assert!(plain.exhausted && plain.states > 3 * 4096 && 1 < lumped.kept && lumped.kept < plain.kept);
+    assert_eq!((lumped.states, lumped.arcs, &lumped.properties), (plain.states, plain.arcs, &plain.properties));
+}
+
+#[test]
+fn a_limit_of_states_ends_a_search_at_the_same_state_each_time() {
+    let setting = LineExploration::new(&generate::line(&LineShape::small(), 1));
+    let found = || explored(&setting, 5_000);
+    let first = found();
+    assert_eq!((first.limit, first.kept), (Some(LimitReached::States), 5_000));
+    for _ in 0..5 {
+        let again = found();
+        assert_eq!((again.states, again.arcs, again.kept), (first.states, first.arcs, first.kept));
+    }
+}
+
+#[test]
+fn a_limit_that_is_just_enough_is_enough() {
+    let mut setting = LineExploration::new(&generate::line(&LineShape::small(), 1));
+    (setting.modes, setting.faults) = (vec![ControlMode::Auto], false);
+    let all = explored(&setting, 1_000_000);
+    assert!(all.exhausted);
+    assert!(explored(&setting, all.kept).exhausted);
+    let short = explored(&setting, all.kept - 1);
+    assert_eq!((short.exhausted, short.limit), (false, Some(LimitReached::States)));
 }
 
 #[test]

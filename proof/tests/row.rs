@@ -3,7 +3,8 @@
 
 use std::time::Instant;
 
-use linewright_line::Line;
+use linewright_line::{Arrow, Line, OpId, StationId, TransferLine, parse};
+use linewright_proof::explore::LineExploration;
 use linewright_proof::generate::{self, Breakage, LineShape, break_it};
 use linewright_proof::structure::{judge_line, judge_stations};
 
@@ -62,4 +63,13 @@ fn a_mistake_anywhere_in_five_hundred_stations_is_found() {
     }
     println!("{found} mistakes found, {harmless} that another arrow makes up for");
     assert!(found >= 9 * harmless && found > 30);
+}
+
+#[test]
+fn a_row_needs_one_report_for_each_link_and_a_ring_may_need_more() {
+    let mut line = parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line;
+    assert!(LineExploration::new(&line).covers_every_delay());
+    let end = |station| (StationId(station), OpId(0));
+    line.arrows.push(Arrow { from: end(2), to: end(0), lag: 1, auto: true, manual: true });
+    assert!(!LineExploration::new(&line).covers_every_delay());
 }

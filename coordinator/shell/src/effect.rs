@@ -106,7 +106,7 @@ pub enum CoordinatorEffect {
         /// Its number in this life of the coordinator.
         sequence: u64,
     },
-    /// The line has completed a cycle.
+    /// The line has completed a cycle. Given once, and before a record of the same effects.
     Completed(CompletedCycle),
 }
 

@@ -343,14 +343,16 @@ impl CoordinatorShell {
             self.state_sequence += 1;
             effects.push(CoordinatorEffect::Tell { sequence: self.state_sequence });
         }
-        effects.extend(self.outbox.cycles.drain(..).map(CoordinatorEffect::Completed));
         if is_stopped {
             self.remember(now, effects);
         }
         self.expected = self.next_deadline(now).max(now);
     }
 
+    /// The record, if there is something new to write. A completed cycle stands before it: what follows a record that takes long
+    /// or fails is not performed, and a cycle is given once.
     fn remember(&mut self, now: Tick, effects: &mut Vec<CoordinatorEffect>) {
+        effects.extend(self.outbox.cycles.drain(..).map(CoordinatorEffect::Completed));
         let record = self.to_remember();
         if record != self.written && self.write_again.is_none_or(|again| again <= now) {
             effects.push(CoordinatorEffect::Remember(record));

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::CompletedCycle;
+use linewright_coordinator_logic::{CompletedCycle, ModeCommand};
 use linewright_coordinator_shell::{CoordinatorEffect, CoordinatorRecord};
 
 use crate::rig::Rig;
@@ -37,6 +37,30 @@ fn a_completed_cycle_is_an_effect_once() {
     assert_eq!(numbers, [1, 2]);
     // Eleven periods of 50 ms from end to end.
     assert_eq!(told[1].took, Duration::from_millis(550));
+}
+
+/// The last report of the cycle and the command that ends production are taken in at once, and the record of the mode takes
+/// longer than a period, or fails: the effects after it are dropped.
+#[test]
+fn a_cycle_that_ends_as_a_slow_record_is_written_is_an_effect_once() {
+    for (command, disk_takes, disk_is_full) in [
+        (ModeCommand::Stop, Duration::from_millis(80), false),
+        (ModeCommand::Stop, Duration::ZERO, true),
+        (ModeCommand::EStop, Duration::from_millis(80), false),
+    ] {
+        let mut rig = Rig::new(CoordinatorRecord::default());
+        rig.in_auto();
+        stand(&mut rig, 1, false);
+        rig.refresh();
+        stand(&mut rig, 1, true);
+        (rig.disk_takes, rig.disk_is_full) = (disk_takes, disk_is_full);
+        rig.hear_all();
+        rig.command(command);
+        let mut told = cycles(&rig.act());
+        (0..3).for_each(|_| told.extend(cycles(&rig.refresh())));
+        let numbers: Vec<i32> = told.iter().map(|cycle| cycle.number).collect();
+        assert_eq!(numbers, [1], "{command:?}, {disk_takes:?}, {disk_is_full}");
+    }
 }
 
 #[test]

@@ -26,6 +26,10 @@ use super::setting::{Grants, LineExploration};
 use super::station::{Situations, StationAct};
 use super::view_key::ViewKeys;
 
+/// Most situations of a station that are compared together to find classes. A station with many operations side by side comes
+/// by itself to hundreds of thousands of situations: no limit on states or memory would be heeded before all of them were there.
+const TOGETHER_MAX: usize = 4096;
+
 /// Situations of one station between which it comes and goes by itself.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LocalClass {
@@ -110,7 +114,7 @@ impl Classes {
                     out.push((act, known));
                     continue;
                 }
-                if nodes.len() >= setting.together_max && !nodes.contains_key(&to) {
+                if nodes.len() >= TOGETHER_MAX && !nodes.contains_key(&to) {
                     beyond.insert(act);
                     continue;
                 }

@@ -14,8 +14,6 @@ mod classes;
 mod counterexample;
 mod facts;
 mod home;
-#[cfg(test)]
-mod lumped;
 mod orders;
 mod path;
 mod properties;

@@ -38,6 +38,21 @@ pub(crate) enum Violation {
 }
 
 impl System {
+    /// Whether a state is wrong in this way by itself, without the others that it may stand for.
+    pub fn shows(&self, state: &ComposedState, wrong: Violation) -> bool {
+        let facts = |station: usize| &self.stations[station].facts[state.situations[station] as usize];
+        let all = (0..self.stations.len()).map(facts);
+        let (in_a, in_b) = all.fold((0, 0), |(in_a, in_b), of| (in_a | of.in_a, in_b | of.in_b));
+        match wrong {
+            Violation::Conflict(nth) => in_a & in_b & (1 << nth) != 0,
+            Violation::Station(station) => facts(station).wrong.is_some(),
+            Violation::Apart(least, most) => {
+                let ends = state.cycles.iter().min().zip(state.cycles.iter().max());
+                ends.is_some_and(|(min, max)| max - min == most - least)
+            }
+        }
+    }
+
     /// The first thing that is wrong in one of the states this one stands for, and in which.
     pub fn wrong(&self, state: &ComposedState) -> Option<(Violation, Vec<FixedSituation>)> {
         let (mut in_a, mut in_b, mut station_wrong) = (0, 0, false);

@@ -37,8 +37,6 @@ pub struct LineExploration {
     /// Keep one state for all that differ only in what stations come and go between by themselves. Every verdict and
     /// every count is the same without, which is how it is tested; it only takes longer.
     pub lumped: bool,
-    /// Most situations of a station that are compared together to find classes.
-    pub(crate) together_max: usize,
     pub(crate) links: Vec<ReaderLink>,
 }
 
@@ -66,10 +64,6 @@ pub(crate) struct ReaderLink {
 /// Nothing runs out within the one moment in which everything happens.
 const FOR_EVER: Duration = Duration::from_secs(1 << 20);
 
-/// A station with many operations side by side comes by itself to hundreds of thousands of situations: no limit on
-/// states or memory would be heeded before all of them were there.
-const TOGETHER_MAX: usize = 4096;
-
 impl LineExploration {
     /// Everything on: every rule, auto, hand and manual mode, faults, and reports that lag.
     ///
@@ -90,7 +84,6 @@ impl LineExploration {
             forgets: false,
             tidy_hands: true,
             lumped: true,
-            together_max: TOGETHER_MAX,
             links,
         }
     }
@@ -175,19 +168,4 @@ fn links_of(line: &Line) -> Vec<ReaderLink> {
         links[link].reverse = back.expect("stations joined by an arrow read each other");
     }
     links
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use linewright_line::{Arrow, TransferLine, parse};
-
-    #[test]
-    fn a_row_of_stations_needs_one_report_for_each_link_and_a_ring_may_need_more() {
-        let mut line = parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line;
-        assert!(LineExploration::new(&line).covers_every_delay());
-        let end = |station| (StationId(station), OpId(0));
-        line.arrows.push(Arrow { from: end(2), to: end(0), lag: 1, auto: true, manual: true });
-        assert!(!LineExploration::new(&line).covers_every_delay());
-    }
 }

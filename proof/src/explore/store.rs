@@ -123,26 +123,3 @@ impl<const N: usize> StateStore<N> {
         self.table.bytes() + numbers + self.arcs_until.capacity() * size_of::<u64>()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn without_arcs_it_is_known_all_the_same_from_where_a_state_was_reached() {
-        for keeps_arcs in [true, false] {
-            let mut store = StateStore::<1>::new(keeps_arcs);
-            let batch = |keys: &[u64], ends: &[usize]| Batch {
-                keys: keys.iter().map(|&key| [key]).collect(),
-                ends: ends.to_vec(),
-                bytes: 0,
-            };
-            for batch in [batch(&[7], &[]), batch(&[8, 9], &[2]), batch(&[7, 10, 10, 11], &[2, 4])] {
-                store.enter(&batch, SearchLimits::default());
-            }
-            assert_eq!((0..5).map(|number| store.came_from(number)).collect::<Vec<_>>(), [0, 0, 0, 1, 2]);
-            assert_eq!(store.len(), 5);
-            assert_eq!((store.arcs.len(), store.arcs_until.len()), if keeps_arcs { (6, 3) } else { (0, 0) });
-        }
-    }
-}

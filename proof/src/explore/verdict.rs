@@ -161,6 +161,7 @@ fn story<const N: usize>(
     pins: &[FixedSituation],
 ) -> LinePath {
     let (way, last) = search.way_to(number, pins);
+    debug_assert!(search.system.shows(&last, wrong), "nothing is wrong at the end of the way to state {number}");
     let end = search.system.wrong_text(&last, wrong);
     LinePath::tell(&search.system, &way, &last, end)
 }

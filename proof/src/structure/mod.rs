@@ -6,7 +6,6 @@
 
 pub mod chart;
 mod modes;
-mod reduce;
 mod station;
 
 use linewright_line::{Line, OperationModule, Station, StationId};

@@ -2,10 +2,10 @@
 
 use linewright_line::net::{Conjunction, ControlMode, StationNet, StationPlace, overlaps};
 use linewright_line::{Line, OpId, Station, StationId};
+use linewright_nets::structure::{PlaceGroup, reduce};
 use linewright_nets::{Net, PlaceId, StateMachineVerdict, state_machine_verdict};
 use linewright_station_logic::Program;
 
-use super::reduce::{PlaceGroup, reduce};
 use super::{Check, StructureReport};
 
 /// Checks the net of one station.
@@ -114,48 +114,5 @@ fn conditions(net: &StationNet) -> Result<String, String> {
     match dead {
         None => Ok("each transition has a satisfiable condition in some mode".to_owned()),
         Some((_, id)) => Err(format!("`{}` can fire in no mode", net.net().transition_name(id))),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use linewright_line::{TransferLine, parse};
-    use linewright_nets::explore;
-
-    /// A cell with two operations side by side.
-    const GROUPED: &str = include_str!("../../../model/line/tests/descriptions/cell.toml");
-
-    fn line(text: &str) -> Line {
-        parse("line.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line
-    }
-
-    fn holds(report: &StructureReport) {
-        assert_eq!(report.checks.len(), 10);
-        for check in &report.checks {
-            assert!(check.ok, "{}: {}: {}", report.name, check.name, check.reason);
-        }
-    }
-
-    #[test]
-    fn every_station_of_the_shipped_line_holds_and_playing_it_out_agrees() {
-        let line = line(&TransferLine::default().text());
-        for id in line.station_ids() {
-            holds(&judge(&line, id));
-            let played = explore(StationNet::of(&line, id).net(), 1000).unwrap();
-            assert!(played.is_live() && played.is_safe() && played.is_reversible().is_ok());
-        }
-    }
-
-    #[test]
-    fn a_station_with_a_concurrent_group_holds_and_playing_it_out_agrees() {
-        let line = line(GROUPED);
-        let id = line.station_named("lifter").expect("the station with a group");
-        assert!(line.station(id).steps.iter().any(|step| step.len() == 2), "there is a group");
-        holds(&judge(&line, id));
-        let net = StationNet::of(&line, id);
-        assert!(net.net().is_state_machine().is_err(), "as it stands it is none");
-        let played = explore(net.net(), 10_000).unwrap();
-        assert!(played.is_live() && played.is_safe() && played.is_reversible().is_ok());
     }
 }

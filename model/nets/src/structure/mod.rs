@@ -10,12 +10,14 @@
 //!   [`crate::Net::is_choice_free`]
 //! - connection: [`crate::Net::is_strongly_connected`]
 //! - conserved sums: [`crate::Net::is_conservative`], [`crate::Net::incidence`]
+//! - concurrent groups, as one place each: [`reduce`]
 //! - and all of it put to use: [`state_machine_verdict`].
 
 mod choice;
 mod classes;
 mod connected;
 mod incidence;
+mod reduce;
 mod state_machine;
 #[cfg(test)]
 mod testnets;
@@ -24,4 +26,5 @@ pub use choice::{ChoicePlace, NotAsymmetricChoice, NotExtendedFreeChoice};
 pub use classes::{HeavyArc, NotFreeChoice, NotMarkedGraph, NotStateMachine};
 pub use connected::NotConnected;
 pub use incidence::{Incidence, NotConservative, NotPlaceInvariant, NotTransitionInvariant};
+pub use reduce::{NotReducible, PlaceGroup, reduce};
 pub use state_machine::{NotLive, NotReversible, NotSafe, StateMachineVerdict, state_machine_verdict};

@@ -1,7 +1,7 @@
 //! Concurrent groups, taken as one place each (seed 002, Appendix).
 //!
-//! A station whose operations run side by side is not a state machine: a fork puts a token into each branch, a join
-//! takes one out of each. Let a group consist of branches such that
+//! A net with branches side by side is not a state machine: a fork puts a token into each branch, a join takes one out of
+//! each. Let a group consist of branches such that
 //! * each branch is strongly connected by transitions of its own, one place in and one place out;
 //! * every other transition takes from, or gives to, a group all or nothing: one place of every branch.
 //!
@@ -10,9 +10,10 @@
 //! place does, and the net is live, safe and reversible if the one with a place for each group is. This takes linear
 //! time, where playing the branches out would take the product of their sizes.
 
-use linewright_nets::structure::NotConnected;
-use linewright_nets::{NamedId, Net, NetBuilder, PlaceId, TransitionId};
 use thiserror::Error;
+
+use super::NotConnected;
+use crate::{NamedId, Net, NetBuilder, PlaceId, TransitionId};
 
 /// The places of a group, branch by branch.
 pub type PlaceGroup = Vec<Vec<PlaceId>>;
@@ -49,6 +50,9 @@ struct Groups<'a> {
 }
 
 /// The net with one place for each group; the net itself where there are none.
+///
+/// # Errors
+/// When a branch is not strongly connected by itself, or another transition takes from or gives to a part of a group.
 pub fn reduce(net: &Net, groups: &[PlaceGroup]) -> Result<Net, NotReducible> {
     if groups.is_empty() {
         return Ok(net.clone());

@@ -1,0 +1,144 @@
+//! The structure of the shipped line and of a cell with a concurrent group holds, and playing their nets out agrees; a mistake
+//! in the chart is found and named.
+
+use linewright_line::net::StationNet;
+use linewright_line::{Arrow, Line, TransferLine, parse};
+use linewright_nets::explore;
+use linewright_proof::structure::chart::{every_circuit_has_a_token, home_is_consistent, run_ahead, separated};
+use linewright_proof::structure::{StructureReport, judge_line, judge_stations};
+
+/// A cell with two operations side by side.
+const GROUPED: &str = include_str!("../../model/line/tests/descriptions/cell.toml");
+
+fn line(text: &str) -> Line {
+    parse("line.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line
+}
+
+fn shipped(machines: usize) -> Line {
+    line(&TransferLine { machines, time_scale: 1.0 }.text())
+}
+
+fn holds(report: &StructureReport) {
+    assert_eq!(report.checks.len(), 10);
+    for check in &report.checks {
+        assert!(check.ok, "{}: {}: {}", report.name, check.name, check.reason);
+    }
+}
+
+#[test]
+fn every_station_of_the_shipped_line_holds_and_playing_it_out_agrees() {
+    let line = shipped(1);
+    judge_stations(&line).iter().for_each(holds);
+    for id in line.station_ids() {
+        let played = explore(StationNet::of(&line, id).net(), 1000).unwrap();
+        assert!(played.is_live() && played.is_safe() && played.is_reversible().is_ok());
+    }
+}
+
+#[test]
+fn a_station_with_a_concurrent_group_holds_and_playing_it_out_agrees() {
+    let line = line(GROUPED);
+    let id = line.station_named("lifter").expect("the station with a group");
+    assert!(line.station(id).steps.iter().any(|step| step.len() == 2), "there is a group");
+    holds(&judge_stations(&line)[id.index()]);
+    let net = StationNet::of(&line, id);
+    assert!(net.net().is_state_machine().is_err(), "as it stands it is none");
+    let played = explore(net.net(), 10_000).unwrap();
+    assert!(played.is_live() && played.is_safe() && played.is_reversible().is_ok());
+}
+
+#[test]
+fn the_shipped_line_holds_with_any_number_of_machines() {
+    for machines in [1, 2, TransferLine::MACHINES_MAX] {
+        let line = shipped(machines);
+        let checks = judge_line(&line);
+        assert!(checks.len() > line.conflicts.len() && checks.iter().all(|check| check.ok), "{checks:?}");
+        assert_eq!(run_ahead(&line), []);
+    }
+}
+
+#[test]
+fn a_circuit_without_lag_is_found_and_named() {
+    let mut line = shipped(1);
+    line.arrows[3].lag = 0;
+    let why = every_circuit_has_a_token(&line).unwrap_err();
+    assert!(why.contains("clamp_1: return clamp") && why.contains("mill_1: reset main slide"), "{why}");
+    let names: Vec<&str> = why.split_once(": ").unwrap().1.split(" → ").collect();
+    assert_eq!(names.first(), names.last(), "{why}");
+}
+
+#[test]
+fn a_home_that_needs_what_is_not_done_is_found() {
+    let mut line = shipped(1);
+    // At home, the clamp would already have needed this cycle's mill.
+    line.arrows[3].lag = 0;
+    let why = home_is_consistent(&line).unwrap_err();
+    assert!(why.contains("`clamp_1: return clamp` counts as done"), "{why}");
+}
+
+#[test]
+fn every_arrow_in_both_modes_is_needed_to_keep_the_conflicts_apart() {
+    for index in 0..4 {
+        let mut line = shipped(1);
+        line.arrows.remove(index);
+        let found: Vec<_> = line.conflicts.iter().filter_map(|conflict| separated(&line, conflict).err()).collect();
+        assert!(!found.is_empty(), "without arrow {index} a conflict must be found");
+        assert!(found[0].to_string().contains("wait for"), "{}", found[0]);
+    }
+}
+
+#[test]
+fn an_arrow_for_auto_alone_does_not_separate() {
+    let mut line = shipped(1);
+    line.arrows[0].manual = false;
+    let why = separated(&line, &line.conflicts[0]).unwrap_err().to_string();
+    assert!(why.contains("manual gets round them"), "{why}");
+}
+
+#[test]
+fn a_lag_more_lets_the_states_overlap() {
+    let mut line = shipped(1);
+    line.arrows[1].lag = 1;
+    let why = separated(&line, &line.conflicts[0]).unwrap_err().to_string();
+    assert!(why.contains("too early a cycle (2 in all"), "{why}");
+}
+
+fn joins(line: &Line, arrow: &Arrow, from: &str, to: &str) -> bool {
+    line.station(arrow.from.0).name.starts_with(from) && line.station(arrow.to.0).name.starts_with(to)
+}
+
+#[test]
+fn a_station_that_no_arrow_leads_back_to_runs_ahead_until_each_arrow_back_is_drawn() {
+    let (mut line, whole) = (shipped(2), shipped(2));
+    line.arrows.retain(|arrow| !joins(&whole, arrow, "clamp", "transfer"));
+    let texts = |line: &Line| run_ahead(line).into_iter().map(|ahead| ahead.text).collect::<Vec<_>>();
+    let pair = |ahead: &str, behind: &str| {
+        format!(
+            "{ahead} may run ahead of {behind} in auto without limit: no arrow leads back from there, through others either"
+        )
+    };
+    assert_eq!(texts(&line), [pair("transfer", "clamp_1, mill_1"), pair("transfer", "clamp_2, mill_2")]);
+    let help = &run_ahead(&line)[0].help;
+    let onward = *line.arrows.iter().find(|arrow| joins(&whole, arrow, "transfer", "clamp_1")).expect("one");
+    let [from, to] = [onward.to, onward.from]
+        .map(|(station, op)| format!("{}: {}", line.station(station).name, line.operation((station, op)).name));
+    assert!(help.contains(&format!("`from = \"{from}\"`, `to = \"{to}\"`, `lag = 1`")), "{help}");
+    // As the advice is, for one clamp and then for the other.
+    let back = |of: Arrow| Arrow { from: of.to, to: of.from, lag: 1, ..of };
+    line.arrows.push(back(onward));
+    assert_eq!(texts(&line), [pair("transfer, clamp_1, mill_1", "clamp_2, mill_2")]);
+    let onward = *line.arrows.iter().find(|arrow| joins(&whole, arrow, "transfer", "clamp_2")).expect("one");
+    line.arrows.push(back(onward));
+    assert_eq!(texts(&line), [""; 0]);
+    assert!(every_circuit_has_a_token(&line).is_ok());
+}
+
+#[test]
+fn arrows_of_manual_alone_hold_nothing_back_in_auto() {
+    let mut line = shipped(2);
+    line.arrows.iter_mut().for_each(|arrow| arrow.auto = false);
+    let found = run_ahead(&line);
+    assert_eq!(found.len(), 3, "the first pairs");
+    assert!(found[0].text.starts_with("transfer and clamp_1 may run ahead of each other"), "{found:?}");
+    assert!(found[2].text.ends_with("; and 7 more such pairs"), "five stations are ten pairs: {found:?}");
+}
