@@ -80,8 +80,10 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         let deadline = tokio::time::Instant::now() + ANSWER;
         while let Ok(heard) = tokio::time::timeout_at(deadline, client.next()).await {
             heard?;
+            // Another console's command may have been refused meanwhile.
             if let Some(state) = client.coordinator()
                 && state.refusals > refusals
+                && state.refusal.starts_with(command.name())
             {
                 crate::out::complain!("{}", state.refusal);
                 // What stands by already, or is at home, has nothing to stop.

@@ -230,16 +230,16 @@ fn causes<'a>(
     line.station_ids().filter_map(named).collect()
 }
 
-/// Whether what led to a station's fault leads to it again if it is not removed. A stop by command or by a restart does not.
+/// Whether what led to a station's fault leads to it again if it is not removed. A stop by command or by a restart does not, nor do
+/// devices that are there again.
 fn comes_again(state: &StationState) -> bool {
-    let by_itself = |code: &u8| {
-        !matches!(
-            *code,
-            StationState::CAUSE_RESTART
-                | StationState::CAUSE_RELEASED
-                | StationState::CAUSE_ESTOP
-                | StationState::CAUSE_ORDERED
-        )
+    let by_itself = |code: &u8| match *code {
+        StationState::CAUSE_RESTART
+        | StationState::CAUSE_RELEASED
+        | StationState::CAUSE_ESTOP
+        | StationState::CAUSE_ORDERED => false,
+        StationState::CAUSE_DEVICES => !state.devices_valid,
+        _ => true,
     };
     state.position_lost || state.stop_causes.iter().any(by_itself)
 }
@@ -365,5 +365,7 @@ mod tests {
             assert_eq!(causes(&line, state), [(name, &stopped)]);
             assert_eq!(comes_again(&stopped), again);
         }
+        let lost = StationState { stop_causes: vec![StationState::CAUSE_DEVICES], ..broken.clone() };
+        assert!(comes_again(&lost) && !comes_again(&StationState { devices_valid: true, ..lost }));
     }
 }

@@ -105,6 +105,9 @@ pub(crate) struct World {
     pub(crate) last: LastHeard,
 }
 
+/// Events of one seed. Most have some ten thousand.
+const EVENTS_MAX: u64 = 2_000_000;
+
 impl World {
     pub(crate) fn new(line: Line, seed: u64, plan: Vec<PlannedFault>, mutant: Option<Mutant>) -> Self {
         let plant = Plant::new(&line, PlantOptions { seed, variation: 0.05, people: false });
@@ -237,6 +240,9 @@ impl World {
             self.events += 1;
             self.mix(next.at.as_micros());
             self.play(next.event);
+            if self.events > EVENTS_MAX {
+                self.observer.find(self.now, "messages follow from messages without end".to_owned());
+            }
         }
         self.now = self.now.max(end);
     }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, MotionStage, StationPlace};
-use linewright_line::{Line, OpId, Owner, StationId};
+use linewright_line::{AxisId, Line, OpId, Owner, Station, StationId};
 use linewright_station_logic::RejoinAt;
 
 use crate::image;
@@ -110,6 +110,24 @@ fn stand_text(line: &Line, station: StationId, place: StationPlace) -> String {
     }
 }
 
+/// The axes that none of these places has moved, with where they stand: they are confirmed too. Each e.g. `; ram at 0, LS_top on`.
+fn others_text(station: &Station, places: &[StationPlace]) -> String {
+    let Some(place) = places.first() else { return String::new() };
+    let positions = station.positions_before_steps();
+    let has_moved =
+        |axis: usize| places.iter().any(|place| station.operations[place.op.index()].motion.axis.index() == axis);
+    let text = |(axis, &at): (usize, &f64)| {
+        let on = station.switches_at(AxisId::at(axis), at);
+        let names = station.inputs.iter().enumerate().filter(|&(input, _)| on & (1 << input) != 0);
+        let names: Vec<&str> = names.map(|(_, name)| name.as_str()).collect();
+        (!names.is_empty()).then(|| format!("; {} at {at}, {} on", station.axes[axis].name, names.join(" and ")))
+    };
+    // Where they were before the step, they are after it.
+    let others = positions[station.step_of(place.op)].iter().enumerate();
+    let others = others.filter(|&(axis, _)| !has_moved(axis) && station.axes[axis].index.is_none());
+    others.filter_map(text).collect()
+}
+
 impl PlannedMotion {
     /// The motion, e.g. `advance clamp` to LS_closed; clamp to 40.
     pub fn text(&self, line: &Line) -> String {
@@ -187,7 +205,8 @@ impl RecoveryStep {
                     }
                     (RejoinAt::Measured, Some(after)) => {
                         let places = after.places.iter().map(|&place| stand_text(line, *station, place));
-                        let places = places.collect::<Vec<_>>().join(" and ");
+                        let mut places = places.collect::<Vec<_>>().join(" and ");
+                        places.push_str(&others_text(line.station(*station), &after.places));
                         let is_index = |place: &StationPlace| line.station(*station).index_of(place.op).is_some();
                         let unseen = match after.places.iter().any(is_index) {
                             true => ". Whether it has moved on no switch says: see whether parts are passed over by it",
