@@ -1,10 +1,11 @@
 //! Seeds of the fault simulation that every change has to pass.
 
+use std::collections::BTreeSet;
+
 use linewright_faults::{CELL_MUTANTS, FaultPlan, MUTANTS, Mutant, play, play_cell, play_plan, shrink};
 
-/// Twenty seconds of a core, at most, in a test build.
-const SEEDS: u64 = 500;
-/// Ten seconds.
+/// `cargo xtask faults` plays as many as are asked for.
+const SEEDS: u64 = 200;
 const CELL_SEEDS: u64 = 60;
 
 #[test]
@@ -26,14 +27,16 @@ fn whatever_happens_around_a_line_nothing_collides_and_it_comes_back() {
     }
 }
 
-/// Each at the first seed that finds it; without the broken rule nothing is wrong there.
+/// Each at the first seed that finds it; without the broken rule nothing is wrong there, which for most is among the seeds above.
 #[test]
 fn every_rule_that_is_broken_is_found() {
     let found = || MUTANTS.iter().filter_map(|rule| Some((rule.name, rule.mutant, rule.seed?)));
     assert!(found().count() + CELL_MUTANTS.len() >= 67, "{}", found().count());
     for (name, mutant, seed) in found() {
         assert!(play(seed, Some(mutant)).finding.is_some(), "{name}, seed {seed}");
-        assert_eq!(play(seed, None).finding, None, "{name}, seed {seed}");
+    }
+    for seed in found().map(|(.., seed)| seed).filter(|seed| *seed >= SEEDS).collect::<BTreeSet<_>>() {
+        assert_eq!(play(seed, None).finding, None, "seed {seed}");
     }
 }
 

@@ -96,7 +96,7 @@ impl Tally {
     fn enter_other(&mut self, gap: &Gap, line: &Line, told: &impl Fn() -> String) {
         let mut setting = auto_and_manual(line);
         setting.faults = false;
-        let explored = explored(&setting, 300_000);
+        let explored = explored(&setting, 100_000);
         match gap {
             Gap::Forward(_) if met(&explored) => self.met_by_changing += 1,
             Gap::TakenBack(_) if met(&explored) => self.met_by_taking_back += 1,
@@ -114,7 +114,7 @@ impl Tally {
 fn of_every_mistake_structure_and_exploration_say_the_same() {
     let mut tally = Tally::default();
     let mut random = Random::new(3);
-    for (shape, count) in [(LineShape::small(), 60), (LineShape::default(), 30)] {
+    for (shape, count) in [(LineShape::small(), 30), (LineShape::default(), 12)] {
         for seed in 0..lines(count) {
             let line = generate::line(&shape, seed);
             let all = breakages(&line);

@@ -131,7 +131,7 @@ fn in_auto_undisturbed_a_generated_line_never_meets_a_conflict_and_never_stops()
 #[test]
 fn with_everything_on_a_generated_line_meets_nothing_wrong() {
     let mut exhausted = 0;
-    for (shape, count, states) in [(LineShape::default(), 40, 10_000), (LineShape::small(), 40, 20_000)] {
+    for (shape, count, states) in [(LineShape::default(), 16, 10_000), (LineShape::small(), 16, 20_000)] {
         for seed in 0..lines(count) {
             let line = generate::line(&shape, seed);
             if keeps_together(&line) {

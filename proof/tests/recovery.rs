@@ -16,6 +16,8 @@ use linewright_proof::cell::{CellExploration, check};
 use linewright_proof::generate::{self, CellShape, Random};
 use linewright_simulation::cell::{CellSim, CellSimOptions, SimulatedOperator, StationSpeed as Takes};
 
+use crate::common::lines;
+
 const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
 /// A generated cell that does not get stuck, its machines with sensors and orders for what they do.
@@ -47,13 +49,13 @@ fn timed(sync: &str) -> String {
 }
 
 fn machines(text: &str) -> Vec<(String, String)> {
-    let mut lines = text.lines();
+    let mut rest = text.lines();
     let mut found = Vec::new();
-    while let Some(line) = lines.next() {
+    while let Some(line) = rest.next() {
         if line == "[[resource]]" {
             let value =
                 |line: Option<&str>| line.and_then(|line| line.split('"').nth(1)).unwrap_or_default().to_owned();
-            let (name, prototype) = (value(lines.next()), value(lines.next()));
+            let (name, prototype) = (value(rest.next()), value(rest.next()));
             if matches!(prototype.as_str(), "machine" | "human") {
                 found.push((name, prototype));
             }
@@ -178,10 +180,10 @@ fn steps(sim: &CellSim) -> impl Iterator<Item = &ExceptionStep> {
 }
 
 #[test]
-fn two_hundred_cells_come_to_their_end_whatever_goes_wrong() {
+fn every_cell_comes_to_its_end_whatever_goes_wrong() {
     let (mut cells, mut closed, mut down, mut gone) = (0, 0, 0, 0);
     let mut seed = 0;
-    while cells < 200 {
+    while cells < lines(80) {
         seed += 1;
         let Some(cell) = sound(seed) else { continue };
         cells += 1;
@@ -193,14 +195,14 @@ fn two_hundred_cells_come_to_their_end_whatever_goes_wrong() {
     println!(
         "{cells} of {seed} cells; {closed} failures closed, {down} times a resource was left out, {gone} parts gone"
     );
-    assert!(closed > 500 && down > 100 && gone > 10, "{closed} {down} {gone}");
+    assert!(closed > 200 && down > 40 && gone > 4, "{closed} {down} {gone}");
 }
 
 /// After a wrong answer the alarm comes again, and the next answer is obeyed.
 #[test]
 fn a_lie_that_a_sensor_sees_is_asked_about_again() {
     let (mut cells, mut lied, mut seed) = (0, 0, 1_000);
-    while cells < 60 {
+    while cells < lines(25) {
         seed += 1;
         let Some(cell) = sound(seed) else { continue };
         cells += 1;
@@ -212,5 +214,5 @@ fn a_lie_that_a_sensor_sees_is_asked_about_again() {
         assert_eq!(found, 1 - lies, "seed {seed}: it is found if he has lied");
         lied += found;
     }
-    assert!(lied > 20, "{lied}");
+    assert!(lied > 8, "{lied}");
 }

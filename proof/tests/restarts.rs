@@ -52,9 +52,9 @@ fn a_restart_with_its_memory_changes_no_verdict() {
 /// Lines of all kinds. A station without its memory takes nothing back, and requests no agreement to that.
 #[test]
 fn without_its_memory_a_station_asks_for_nothing() {
-    for seed in 0..lines(24) {
+    for seed in 0..lines(10) {
         let line = generate::line(&LineShape { operations: 2..=3, ..LineShape::small() }, seed);
-        let explored = explored(&LineExploration::new(&line).with_lost_memories(), 60_000);
+        let explored = explored(&LineExploration::new(&line).with_lost_memories(), 30_000);
         let asks = explored.properties.iter().find(|property| property.reason.contains("of no generation"));
         assert_eq!(asks.map(|property| &property.counterexample), None, "line {seed}");
     }
@@ -72,13 +72,13 @@ fn without_the_rule_of_the_round_and_with_restarts_the_wrong_counts_are_found() 
     let story = line_explored.counterexample().expect("the rule is needed");
     assert!(!line_explored.holds() && story.end.contains("are of no cycle"), "{story}");
     // Explored on, as situations of a class are, until a record contradicts itself.
-    for seed in 0..lines(8) {
+    for seed in 0..lines(4) {
         let line = generate::line(&LineShape::small(), seed);
         for grants in [Grants::InEpochs, Grants::Anyhow] {
             for lost in [false, true] {
                 let mut setting = without(&line);
                 setting.grants = grants;
-                explored(&if lost { setting.with_lost_memories() } else { setting }, 20_000);
+                explored(&if lost { setting.with_lost_memories() } else { setting }, 10_000);
             }
         }
     }

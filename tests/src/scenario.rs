@@ -263,6 +263,15 @@ fn node_of(device: &Device) -> NodeId {
     device.node_id().and_then(NodeId::new).unwrap_or_else(|| panic!("{} has no node id", device.name))
 }
 
+/// A cycle of the shipped line, in ms.
+const CYCLE: u64 = 3560;
+
+/// Moments of a cycle, in ms: `first`, and from there on every so many; with [`soak`] as many times more.
+pub fn moments(first: u64, every: u64) -> impl Iterator<Item = u64> {
+    let step = (every / soak()).max(1);
+    (first % step..CYCLE).step_by(step as usize)
+}
+
 /// By how much to multiply the seeds of a randomised test: the environment variable `LINEWRIGHT_SOAK`, or 1.
 pub fn soak() -> u64 {
     std::env::var("LINEWRIGHT_SOAK").ok().and_then(|times| times.parse().ok()).unwrap_or(1)

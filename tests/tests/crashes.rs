@@ -12,7 +12,7 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::HappeningKind;
-use linewright_tests::{NodeProcess, ROUGH, WatchedLine, transfer_line};
+use linewright_tests::{NodeProcess, ROUGH, WatchedLine, moments, soak, transfer_line};
 
 const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
 
@@ -34,7 +34,7 @@ fn two_more_cycles(sim: &mut WatchedLine) {
 
 #[test]
 fn a_station_killed_at_any_moment_and_restarted_from_its_journal() {
-    for moment in (0..3560).step_by(70) {
+    for moment in moments(0, 210) {
         for station in STATIONS {
             let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);
@@ -60,7 +60,7 @@ fn a_station_killed_at_any_moment_and_restarted_from_its_journal() {
 
 #[test]
 fn a_station_that_dies_between_its_record_and_its_word() {
-    for moment in (0..3560).step_by(110) {
+    for moment in moments(0, 220) {
         for station in STATIONS {
             let mut sim = WatchedLine::in_second_cycle(moment, moment + 1);
             let id = sim.id(station);
@@ -77,7 +77,7 @@ fn a_station_that_dies_between_its_record_and_its_word() {
 
 #[test]
 fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
-    for moment in (0..3560).step_by(200) {
+    for moment in moments(0, 200) {
         for station in STATIONS {
             let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);
@@ -106,7 +106,7 @@ fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
 
 #[test]
 fn a_coordinator_killed_at_any_moment_and_replaced() {
-    for moment in (0..3560).step_by(150) {
+    for moment in moments(0, 300) {
         for (remembers, down) in [(true, 30), (false, 30), (true, 300), (false, 2000)] {
             let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let before = sim.epoch();
@@ -128,7 +128,7 @@ fn a_coordinator_killed_at_any_moment_and_replaced() {
 
 #[test]
 fn a_station_cut_off_from_the_coordinator_but_not_from_its_neighbours() {
-    for moment in (0..3560).step_by(170) {
+    for moment in moments(0, 340) {
         for (station, back_too) in STATIONS.into_iter().flat_map(|s| [(s, false), (s, true)]) {
             let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);
@@ -151,7 +151,7 @@ fn a_station_cut_off_from_the_coordinator_but_not_from_its_neighbours() {
 
 #[test]
 fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
-    for moment in (0..3560).step_by(120) {
+    for moment in moments(0, 120) {
         let mut sim = WatchedLine::in_second_cycle(moment, moment);
         let (transfer, clamp) = (sim.id("transfer"), sim.id("clamp_1"));
         sim.cut(NodeProcess::Station(transfer), NodeProcess::Station(clamp));
@@ -168,11 +168,11 @@ fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
 
 #[test]
 fn on_a_rough_network_too() {
-    for seed in 0..60 {
+    for seed in 0..30 * soak() {
         let mut sim = WatchedLine::with(&transfer_line(1.0), seed, ROUGH, 0.1);
         sim.start_auto();
         sim.patiently_until_done("clamp_1", "return clamp", 2);
-        sim.run_for(Duration::from_millis(seed * 59));
+        sim.run_for(Duration::from_millis(seed * 118 % 3540));
         let id = sim.id(STATIONS[(seed % 3) as usize]);
         sim.kill_station(id);
         sim.run_for(Duration::from_millis(seed * 10));

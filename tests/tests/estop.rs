@@ -10,7 +10,7 @@ use std::time::Duration;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::Owner;
 use linewright_line::net::ControlMode;
-use linewright_tests::{WatchedLine, transfer_line};
+use linewright_tests::{WatchedLine, moments, transfer_line};
 
 /// Order to the stations, their images to the gateway, the gateway's frames to the devices: at most 0.5 + 0.5 + 0.15
 /// milliseconds on the quiet network; a wired button adds its own frame.
@@ -60,10 +60,11 @@ fn stop_and_come_back(moment: Duration, by_wire: bool) {
     }
 }
 
+/// Every 60 ms and every 90 ms; with `LINEWRIGHT_SOAK=3` every 20 ms and every 30 ms.
 #[test]
 fn at_every_moment_of_a_cycle_by_message_and_by_wire() {
-    for (first, every, by_wire) in [(0, 20, false), (10, 30, true)] {
-        for moment in (first..3560).step_by(every) {
+    for (first, every, by_wire) in [(0, 60, false), (10, 90, true)] {
+        for moment in moments(first, every) {
             stop_and_come_back(Duration::from_millis(moment), by_wire);
         }
     }

@@ -12,7 +12,7 @@ use std::time::Duration;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::StationId;
 use linewright_line::net::{ControlMode, StationPlace};
-use linewright_tests::{WatchedLine, transfer_line};
+use linewright_tests::{WatchedLine, moments, transfer_line};
 
 const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
 
@@ -76,7 +76,7 @@ fn lead_home(sim: &mut WatchedLine, lost: StationId, stood: StationPlace) {
 
 #[test]
 fn a_station_without_its_memory_meets_nobody_and_is_led_back() {
-    for moment in (0..3560).step_by(130) {
+    for moment in moments(0, 260) {
         for station in STATIONS {
             let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);
@@ -92,7 +92,7 @@ fn a_station_without_its_memory_meets_nobody_and_is_led_back() {
 
 #[test]
 fn a_station_without_its_memory_meets_nobody_whatever_is_pressed() {
-    for moment in (0..3560).step_by(290) {
+    for moment in moments(0, 290) {
         for station in STATIONS {
             let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);

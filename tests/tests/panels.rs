@@ -137,7 +137,7 @@ fn three_operators_at_three_panels_at_once() {
     if let Some(seed) = std::env::var("LINEWRIGHT_SEED").ok().and_then(|seed| seed.parse().ok()) {
         return three_operators(seed, seed % 2 == 1);
     }
-    for seed in 0..700 * soak() {
+    for seed in 0..350 * soak() {
         three_operators(seed, seed % 2 == 1);
     }
 }

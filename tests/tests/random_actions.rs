@@ -231,7 +231,7 @@ fn whatever_happens_nothing_collides_and_the_line_comes_back() {
     if let Some(seed) = std::env::var("LINEWRIGHT_SEED").ok().and_then(|seed| seed.parse().ok()) {
         return run(seed);
     }
-    for seed in 0..300 * soak() {
+    for seed in 0..150 * soak() {
         run(seed);
     }
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, OpId, OutputId, Owner, StationId};
 use linewright_station_logic::{HappeningKind, StopCause};
-use linewright_tests::{WatchedLine, transfer_line};
+use linewright_tests::{WatchedLine, moments, transfer_line};
 
 /// Every operation whose signal is on a digital device: the operation, the device, the signal.
 fn wired<T>(
@@ -85,7 +85,7 @@ fn in_auto(line: &Line, seed: u64) -> WatchedLine {
 fn a_switch_that_does_not_close() {
     let line = transfer_line(1.0);
     for (station, _, device, switch) in switches(&line) {
-        for moment in (0..3560).step_by(300) {
+        for moment in moments(0, 600) {
             let mut sim = in_auto(&line, moment);
             let lives = sim.lives();
             let name = line.station(station).inputs[switch.index()].clone();
@@ -141,7 +141,7 @@ fn a_switch_that_is_closed_from_the_start() {
 fn a_relay_that_does_not_close() {
     let line = transfer_line(1.0);
     for (station, op, device, output) in relays(&line) {
-        for moment in (0..3560).step_by(600) {
+        for moment in moments(0, 600) {
             let mut sim = in_auto(&line, moment);
             let lives = sim.lives();
             sim.stick(&device, output, Some(false));

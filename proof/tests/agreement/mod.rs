@@ -117,8 +117,8 @@ fn small_lines_are_sound_and_both_see_equally_many_states() {
 fn long_walks_with_every_mode_restarts_and_careless_hands_meet_nothing_wrong() {
     let fixed = [lines::shipped(), lines::small(), lines::bar_and_clamp(), lines::clamp_and_mill(), lines::two_jaws()];
     let fixed = fixed.into_iter().chain([lines::table_and_drill()]);
-    let generated = (0..common::lines(20)).map(|seed| generate::line(&LineShape::small(), seed));
-    let walks = fixed.map(|line| (line, 100_000)).chain(generated.map(|line| (line, 5_000)));
+    let generated = (0..common::lines(8)).map(|seed| generate::line(&LineShape::small(), seed));
+    let walks = fixed.map(|line| (line, common::lines(40_000) as usize)).chain(generated.map(|line| (line, 5_000)));
     for (seed, (line, steps)) in walks.enumerate() {
         let mut setting = world::Setting::new(lines::without_haste(line));
         setting.modes = ControlMode::ALL.into_iter().filter(|mode| *mode != ControlMode::Home).collect();

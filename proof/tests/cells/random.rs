@@ -6,6 +6,7 @@ use linewright_proof::generate::{self, CellShape};
 
 use super::oracle::{Played, groups, play};
 use super::{cell, checked, verdicts};
+use crate::common::lines;
 
 /// More moments than this are not looked at one by one.
 const MOMENTS_MAX: usize = 8_000;
@@ -45,14 +46,14 @@ fn agrees(seed: u64, checked: &Checked, (sound, wrong, last): &(u32, Option<Play
     }
 }
 
-/// Two hundred cells, and not a different word on any: whether it gets stuck, with how many parts, how many states and
+/// So many cells, and not a different word on any: whether it gets stuck, with how many parts, how many states and
 /// steps there are, and how long the shortest way is.
 #[test]
 fn the_check_finds_what_a_player_of_parts_finds() {
     let (mut seen, mut of) = (0, [0; 2]);
     let (mut apart, mut too_large) = (0, 0);
     for seed in 0.. {
-        if seen == 200 {
+        if seen == lines(100) {
             break;
         }
         let text = generate::cell(&CellShape { apart: 10, ..CellShape::small() }, seed);
@@ -64,19 +65,19 @@ fn the_check_finds_what_a_player_of_parts_finds() {
         let checked = checked(&cell);
         agrees(seed, &checked, &expected, &text);
         assert_eq!(checked.groups.len(), groups(&cell), "seed {seed}\n{text}");
-        apart += usize::from(checked.groups.len() > 1);
+        apart += u64::from(checked.groups.len() > 1);
         of[usize::from(expected.1.is_some())] += 1;
         seen += 1;
     }
     let [sound, wrong] = of;
     println!("{sound} sound, {wrong} get stuck; {apart} in groups, {too_large} too large");
-    assert!(sound >= 20 && wrong >= 20 && apart >= 5);
+    assert!(sound >= lines(10) && wrong >= lines(10) && apart >= lines(3));
 }
 
 /// Starts and ends explored apart give the same verdicts as whole activities, and about as many parts.
 #[test]
 fn both_details_say_the_same() {
-    for seed in 0..60 {
+    for seed in 0..lines(30) {
         let cell = cell(&generate::cell(&CellShape { wip: 1..=3, ..CellShape::small() }, seed));
         let whole = checked(&cell);
         let fully =

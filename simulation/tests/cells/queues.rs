@@ -1,5 +1,6 @@
 //! Cells that are queues of the textbook: the figures of a study agree with theory, within its own intervals.
 
+use linewright_coordinator_cell::production::ORDERS_MAX;
 use linewright_simulation::cell::{
     CellScenario, CellStudy, Estimate, ReplicationFigures, ReplicationGoal, StudyOptions,
 };
@@ -226,6 +227,8 @@ fn what_never_ends_is_a_problem_with_its_reason() {
     assert!(problem(broken).contains("0 parts finished, 1 are inside; no further event"), "{}", problem(broken));
     let with_others = format!("{broken}[[breakdown]]\nresource = \"M\"\nbetween_failures_s = 1000\nrepair_s = 100\n");
     assert!(problem(&with_others).contains("no further event"), "{}", problem(&with_others));
-    let flood = "duration_s = 1e6\n[[arrivals]]\npart = \"A\"\nevery_s = 1\n";
-    assert!(problem(flood).contains("orders come faster than the cell makes them"), "{}", problem(flood));
+    // Nearly as many from the beginning as may be open: to take one in is the slower the more there are.
+    let open = "[[order]]\npart = \"A\"\n".repeat(ORDERS_MAX - 10);
+    let flood = problem(&format!("duration_s = 1e6\n{open}[[arrivals]]\npart = \"A\"\nevery_s = 1\n"));
+    assert!(flood.contains("orders come faster than the cell makes them"), "{flood}");
 }
