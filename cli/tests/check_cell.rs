@@ -122,8 +122,9 @@ fn a_limit_leaves_it_undecided_and_says_how_far_it_came() {
 
 #[test]
 fn some_parts_only_and_activities_in_progress_can_be_asked_for() {
-    let dir = shipped().join("../assembly-cell");
-    let (code, found) = checked(dir.to_str().unwrap(), &["--parts", "1=2,2=2,3=1", "--expanded"]);
+    let scratch = Scratch::new();
+    let dir = changed(&scratch, "assembly-cell", &[]);
+    let (code, found) = checked(&dir, &["--parts", "1=2,2=2,3=1", "--expanded"]);
     // An explorer written in Python before counted 1,773 states and 6,516 steps.
     let group = &found["cell"]["groups"][0];
     assert_eq!(
@@ -131,10 +132,10 @@ fn some_parts_only_and_activities_in_progress_can_be_asked_for() {
         (Some(0), Some(1_773), Some(6_516)),
         "{found}"
     );
-    let output = linewright(&["check", dir.to_str().unwrap(), "--parts", "4=1"]);
+    let output = linewright(&["check", &dir, "--parts", "4=1"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("no part type '4'; the cell has 1, 2, 3"), "{output:?}");
-    let output = linewright(&["check", dir.to_str().unwrap(), "--parts", "1"]);
+    let output = linewright(&["check", &dir, "--parts", "1"]);
     assert_eq!(output.status.code(), Some(2), "{output:?}");
 }
 
@@ -201,13 +202,19 @@ fn what_is_not_there_cannot_be_asked_about() {
     assert!(output.status.success() && text(&output.stdout).contains("without --structure"), "{output:?}");
 }
 
-/// The shipped workcell, with a conflict of tasks at the end of its line.
-fn in_conflict(scratch: &Scratch, a: (&str, &str), b: (&str, &str)) -> String {
+/// A task of a station.
+type NamedTask<'n> = (&'n str, &'n str);
+
+/// The shipped workcell, with conflicts of tasks at the end of its line.
+fn in_conflict(scratch: &Scratch, conflicts: &[(&str, NamedTask<'_>, NamedTask<'_>)]) -> String {
     let dir = shipped().join("../workcell-c1");
     let text = |file: &str| std::fs::read_to_string(dir.join(file)).expect("it is there");
-    let side = |(station, task)| format!("{{ station = \"{station}\", task = \"{task}\" }}");
-    let conflict = format!("\n[[conflict]]\nwhy = \"they would meet\"\na = {}\nb = {}\n", side(a), side(b));
-    scratch.file("line.toml", &(text("line.toml") + &conflict));
+    let side = |(station, task): NamedTask<'_>| format!("{{ station = \"{station}\", task = \"{task}\" }}");
+    let conflict = |&(why, a, b): &(&str, NamedTask<'_>, NamedTask<'_>)| {
+        format!("\n[[conflict]]\nwhy = \"{why}\"\na = {}\nb = {}\n", side(a), side(b))
+    };
+    let added: String = conflicts.iter().map(conflict).collect();
+    scratch.file("line.toml", &(text("line.toml") + &added));
     scratch.file("cell.toml", &text("cell.toml"));
     scratch.path("")
 }
@@ -215,18 +222,16 @@ fn in_conflict(scratch: &Scratch, a: (&str, &str), b: (&str, &str)) -> String {
 #[test]
 fn tasks_in_conflict_are_kept_apart_by_the_cell_or_it_is_told_how_they_are_not() {
     let scratch = Scratch::new();
-    let dir = in_conflict(&scratch, ("robot", "load m1"), ("m1", "machine"));
-    let plain = linewright(&["check", &dir]);
-    let out = text(&plain.stdout);
-    assert!(plain.status.success(), "{plain:?}");
-    assert!(out.contains("✓ tasks in conflict are never under way at once: they would meet: no activities"), "{out}");
-    assert!(out.contains("orders, and one way measured positions (LS_0 of m1): no axis of robot"), "{out}");
-
-    let scratch = Scratch::new();
-    let dir = in_conflict(&scratch, ("robot", "load m3"), ("m2", "machine"));
+    let conflicts = [
+        ("they never meet", ("robot", "load m1"), ("m1", "machine")),
+        ("they would meet", ("robot", "load m3"), ("m2", "machine")),
+    ];
+    let dir = in_conflict(&scratch, &conflicts);
     let plain = linewright(&["check", &dir]);
     let out = text(&plain.stdout);
     assert_eq!(plain.status.code(), Some(1), "{out}");
+    assert!(out.contains("✓ tasks in conflict are never under way at once: they never meet: no activities"), "{out}");
+    assert!(out.contains("orders, and one way measured positions (LS_0 of m1): no axis of robot"), "{out}");
     assert!(out.contains("✗ tasks in conflict are never under way at once: they would meet: after 3 steps"), "{out}");
     assert!(out.contains("2. load M2: R brings A #1 from ST to M2"), "{out}");
     assert!(out.contains("and so: `load M3` and `M2.process` can both start here"), "{out}");
@@ -242,6 +247,8 @@ fn the_nets_of_a_cell_are_written_and_are_those_that_were_checked() {
     let scratch = Scratch::new();
     let dir = shipped().join("../assembly-cell");
     let dir = dir.to_str().unwrap();
+    // Without its line, whose stations take most of a check.
+    let alone = changed(&scratch, "assembly-cell", &[]);
     let out = scratch.path("out");
     let output = linewright(&["nets", dir, "--out", &out]);
     assert!(output.status.success(), "{output:?}");
@@ -249,7 +256,7 @@ fn the_nets_of_a_cell_are_written_and_are_those_that_were_checked() {
         let analysed = linewright(&["analyse", &format!("{out}/{name}.pnml"), "--json"]);
         assert!(analysed.status.success(), "{analysed:?}");
         let analysed = json(&analysed);
-        let (_, found) = checked(dir, options);
+        let (_, found) = checked(&alone, options);
         let group = &found["cell"]["groups"][0];
         assert_eq!((&analysed["states"], &analysed["arcs"]), (&group["states"], &group["arcs"]), "{name}");
         assert_eq!((&analysed["reversible"], &analysed["deadlock_free"]), (&true.into(), &true.into()), "{name}");

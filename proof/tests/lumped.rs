@@ -67,7 +67,8 @@ fn compare(name: &str, change: fn(&mut LineExploration), wanted: u64) {
         }
     }
     println!("{name}: {compared} lines to the end, {states} states, {kept} kept");
-    assert!(compared >= lines(wanted));
+    // Later lines need not be among the small ones.
+    assert!(compared >= lines(wanted).min(wanted));
 }
 
 #[test]

@@ -294,7 +294,7 @@ impl Scheduler for Procrastinator {
 fn with_a_planner_of_any_delay_all_is_made_and_no_part_waits_for_ever() {
     let patience = Duration::from_secs(60);
     let (mut random, mut followed, mut failed) = (Random::new(7), 0, 0);
-    for round in 0..48 {
+    for round in 0..24 {
         let look_alone = C1.replace("\"schedule\", ", "");
         let (text, products): (&str, [&str; 2]) =
             [(C1, ["A", "B"]), (ASSEMBLY, ["1", "2"]), (&look_alone, ["A", "B"])][round % 3];
@@ -337,7 +337,7 @@ fn with_a_planner_of_any_delay_all_is_made_and_no_part_waits_for_ever() {
             assert!(waited < patience + Duration::from_secs(300), "{round}: {waited:?}");
         }
     }
-    assert!(followed > 20 && failed > 0, "{followed} {failed}: it tests little");
+    assert!(followed > 10 && failed > 0, "{followed} {failed}: it tests little");
 }
 
 #[test]
