@@ -7,9 +7,10 @@
 use std::fmt;
 use std::time::Duration;
 
-use toml_edit::{Array, Item, Table, TableLike, Value};
+use toml_edit::{Item, Table, TableLike, Value};
 
 use crate::advice::{advised, missing, wrong_type, wrong_value};
+use crate::lists::texts_of;
 use crate::place::{Located, LocatedName, Named, TextRange};
 use crate::suggest::nearest_all;
 use crate::{Problem, Report, Shape, suggestion};
@@ -482,40 +483,4 @@ fn checked_coordinate(report: &mut Report, number: Located<f64>, key: &str) -> O
     let problem = Problem::error(number.at, format!("`{key}` is {}", number.value));
     report.add(problem.label("not a usable coordinate").hint("between -1000000 and 1000000 mm"));
     None
-}
-
-/// The texts of a list, at most `max` of them. Of a list that is too long the first are read all the same, and a text by itself as a
-/// list of one: the rest of the description refers to them.
-fn texts_of(
-    report: &mut Report,
-    key: &str,
-    item: &Item,
-    at: TextRange,
-    max: usize,
-) -> Option<Located<Vec<LocatedName>>> {
-    if let Some(array) = item.as_array() {
-        return Some(list(report, key, Located::new(array, at), max));
-    }
-    report.add(wrong_type(at.clone(), key, "a list of texts", item));
-    let text = item.as_str().filter(|text| text.len() <= TEXT_MAX && max > 0)?;
-    Some(Located::new(vec![Located::new(text.to_owned(), at.clone())], at))
-}
-
-fn list(report: &mut Report, key: &str, array: Located<&Array>, max: usize) -> Located<Vec<LocatedName>> {
-    if array.value.len() > max {
-        report.add(
-            Problem::error(array.at.clone(), format!("`{key}` has {} entries", array.value.len()))
-                .hint(format!("at most {max}")),
-        );
-    }
-    let mut texts = Vec::with_capacity(array.value.len().min(max));
-    for value in array.value.iter().take(max) {
-        let at = value.span().unwrap_or_else(|| array.at.clone());
-        match value.as_str() {
-            Some(text) if text.len() <= TEXT_MAX => texts.push(Located::new(text.to_owned(), at)),
-            Some(_) => report.add(Problem::error(at, format!("an entry of `{key}` has over {TEXT_MAX} bytes"))),
-            None => report.add(wrong_value(at, &format!("an entry of `{key}`"), "text in quotes", value)),
-        }
-    }
-    Located::new(texts, array.at)
 }
