@@ -59,6 +59,8 @@ fn times_fit_the_motions(
     let Some(takes) = motions_take(draft, order, task) else { return };
     let safety = draft.raw.cell.as_ref().map_or(1.0, |cell| cell.safety);
     let limits: Vec<(Located<Duration>, &str, f64)> = match &order.raw.limit {
+        // One that is not even longer than the nominal time is an error already.
+        Some(limit) if times(draft, activity).any(|time| limit.value <= time.value) => Vec::new(),
         Some(limit) => vec![(limit.clone(), "max_s", 1.0)],
         None => times(draft, activity).map(|time| (time, "time_s", safety)).collect(),
     };
