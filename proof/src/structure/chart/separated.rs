@@ -266,7 +266,7 @@ mod tests {
     fn an_arrow_whose_lag_is_too_large_is_named() {
         let mut line = shipped(1);
         line.arrows[1].lag = 2;
-        let arrow = line.arrows[1].clone();
+        let arrow = line.arrows[1];
         let why = separated(&line, &line.conflicts[0]).unwrap_err().to_string();
         let [from, to] = [arrow.from, arrow.to].map(|end| full_name(&line, end));
         assert!(why.contains(&format!("from = \"{from}\", to = \"{to}\", lag = 2")), "{why}");
