@@ -59,15 +59,15 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     Ok(if report.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// The first check by structure that does not hold, for commands that go on all the same; nothing is explored.
-pub fn refusal(line: &Line) -> Option<String> {
+/// The checks by structure that do not hold, of each station the first; nothing is explored.
+pub fn refusals(line: &Line) -> impl Iterator<Item = String> {
     let of_station = |report: StructureReport| {
         let check = report.checks.into_iter().find(|check| !check.ok)?;
         Some(format!("{}: {}: {}", report.name, check.name, check.reason))
     };
-    let of_stations = || judge_stations(line).into_iter().find_map(of_station);
-    let of_line = || judge_line(line).into_iter().find(|check| !check.ok);
-    of_stations().or_else(|| of_line().map(|check| format!("{}: {}", check.name, check.reason)))
+    let of_line = std::iter::once_with(|| judge_line(line)).flatten().filter(|check| !check.ok);
+    let of_line = of_line.map(|check| format!("{}: {}", check.name, check.reason));
+    judge_stations(line).into_iter().filter_map(of_station).chain(of_line)
 }
 
 /// Report on the line, and the line itself if there is one. With a cell beside it, the cell is checked even if the line

@@ -131,13 +131,30 @@ pub fn parsed(path: &Path) -> miette::Result<linewright_line::ParsedLine> {
 pub fn station(line: &Line, name: &str) -> miette::Result<StationId> {
     line.station_named(name).ok_or_else(|| {
         let known: Vec<&str> = line.stations.iter().map(|s| s.name.as_str()).collect();
-        miette!("no station '{name}'; the line has {}", known.join(", "))
+        or_meant(miette!("no station '{name}'; the line has {}", known.join(", ")), name, known)
     })
+}
+
+/// The error about an unknown word, with the known one that is probably meant.
+pub fn or_meant<'a>(error: miette::Report, word: &str, known: impl IntoIterator<Item = &'a str>) -> miette::Report {
+    match linewright_text::nearest(word, known) {
+        Some(near) => miette!(help = format!("did you mean `{near}`?"), "{error}"),
+        None => error,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_unknown_station_is_answered_with_the_one_that_is_meant() {
+        let text = linewright_line::TransferLine::default().text();
+        let line = linewright_line::parse("line.toml", &text).expect("it parses").line;
+        let help = |name| station(&line, name).expect_err("there is none").help().map(|help| help.to_string());
+        assert_eq!(help("transfre").as_deref(), Some("did you mean `transfer`?"));
+        assert_eq!(help("oven"), None);
+    }
 
     #[test]
     fn a_directory_means_what_is_in_it() {

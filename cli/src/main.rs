@@ -161,11 +161,10 @@ fn command() -> ExitCode {
     }
 }
 
-/// The command with options that take a negative number as their value: that is refused by its bounds, and is no unknown option.
+/// The command with arguments that take a negative number as their value: that is refused by its bounds, and is no unknown option.
 fn numbers_as_values(command: clap::Command) -> clap::Command {
     let takes = |arg: clap::Arg| {
-        let is_option = arg.get_action().takes_values() && !arg.is_positional();
-        if is_option { arg.allow_negative_numbers(true) } else { arg }
+        if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg }
     };
     command.mut_args(takes).mut_subcommands(numbers_as_values)
 }
@@ -248,8 +247,16 @@ mod tests {
         assert!(seconds.contains("expected seconds from 0 to 3600, without a unit, e.g. 0.8"), "{seconds}");
         let seconds = refused(&["press", "LINE", "PB_2", "--for", "-1"]);
         assert!(seconds.contains("'-1' for '--for") && seconds.contains("from 0 to 3600"), "{seconds}");
-        let cycles = refused(&["run", "LINE", "--cycles", "-1"]);
-        assert!(cycles.contains("'-1' for '--cycles"), "{cycles}");
-        assert!(!cycles.contains("invalid digit") && !cycles.contains("unexpected argument"), "{cycles}");
+        for (words, place) in [
+            (["run", "LINE", "--cycles", "-1"], "'-1' for '--cycles"),
+            (["run", "LINE", "--cycles", "0"], "'0' for '--cycles"),
+            (["run", "LINE", "--cycles", "x"], "'x' for '--cycles"),
+            (["check", "LINE", "--states", "0"], "'0' for '--states"),
+        ] {
+            let text = refused(&words);
+            assert!(text.contains(place) && text.contains("expected a whole number, 1 or more"), "{text}");
+        }
+        let quantity = refused(&["order", "CELL", "submit", "shaft", "-3"]);
+        assert!(quantity.contains("'-3' for '[QUANTITY]'") && !quantity.contains("unexpected"), "{quantity}");
     }
 }

@@ -62,8 +62,8 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
     let command = match &args.command {
         Some(word) => Some(ModeCommand::parse(word).ok_or_else(|| {
-            let known: Vec<&str> = ModeCommand::ALL.iter().map(|command| command.name()).collect();
-            miette!("unknown command '{word}'; commands: {}", known.join(", "))
+            let known = ModeCommand::ALL.map(ModeCommand::name);
+            load::or_meant(miette!("unknown command '{word}'; commands: {}", known.join(", ")), word, known)
         })?),
         None => None,
     };

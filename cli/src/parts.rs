@@ -3,6 +3,15 @@
 //! The rule for every option that takes a list of names: it may be repeated, and names may contain commas. Where several stand in
 //! one argument, a comma separates only behind a number.
 
+/// A number of cycles, states or the like: none of them would be nothing to do.
+///
+/// # Errors
+/// What is expected, where it is something else.
+pub fn at_least_1(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|number| *number > 0);
+    number.ok_or_else(|| "expected a whole number, 1 or more, without a unit".to_owned())
+}
+
 /// More parts are no more informative.
 pub const PARTS_MAX: u32 = 100_000;
 

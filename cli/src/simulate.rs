@@ -138,7 +138,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         ));
     }
     let line = load::line(&args.line, args.json)?;
-    if let Some(why) = crate::check::refusal(&line) {
+    if let Some(why) = crate::check::refusals(&line).next() {
         let path = out::shell_word(&args.line.display().to_string());
         out::complain!(
             "warning: `linewright check {path}` refuses this line, and the simulation shows one course of many: {why}"

@@ -93,6 +93,15 @@ fn a_conflict_that_no_arrow_prevents_is_a_failed_check() {
     let shipped = linewright(&["simulate", shipped().to_str().unwrap(), "--json"]);
     assert!(shipped.stderr.is_empty(), "{shipped:?}");
 
+    // It is run only if that is asked for.
+    let run = linewright(&["run", &file, "--cycles", "1", "--patience", "5"]);
+    let told = text(&run.stderr);
+    assert_eq!(run.status.code(), Some(1), "{told}");
+    assert!(
+        told.contains("refuses this line") && told.contains("separated: the bar") && told.contains("--unchecked"),
+        "{told}"
+    );
+
     // Exploring finds it as well, with a path.
     let plain = linewright(&["check", &file]);
     assert_eq!(plain.status.code(), Some(1));

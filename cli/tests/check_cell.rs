@@ -120,6 +120,22 @@ fn a_limit_leaves_it_undecided_and_says_how_far_it_came() {
     assert!(text(&plain.stdout).contains("? workcell_c1: "), "{plain:?}");
 }
 
+/// More states than the cell's net has, and fewer than the orders of its largest activity.
+#[test]
+fn orders_that_are_undecided_are_no_success_and_say_what_looks_further() {
+    let dir = shipped().join("../assembly-cell");
+    let dir = dir.to_str().unwrap();
+    let (code, found) = checked(dir, &["--states", "15000"]);
+    let verdicts = verdicts(&found);
+    assert_eq!((code, &found["ok"], &found["cell"]["ok"]), (Some(1), &false.into(), &false.into()), "{found}");
+    assert_eq!((&verdicts[..6], &verdicts[6..]), (&["holds"; 6][..], &["undecided"; 6][..]), "{found}");
+    let property = &found["cell"]["properties"][6];
+    assert!(property["reason"].as_str().is_some_and(|r| r.contains("the limit of states was reached")), "{property}");
+    let plain = linewright(&["check", dir, "--states", "15000"]);
+    let out = text(&plain.stdout);
+    assert_eq!((plain.status.code(), out.matches("`--states 30000`").count()), (Some(1), 1), "{out}");
+}
+
 #[test]
 fn some_parts_only_and_activities_in_progress_can_be_asked_for() {
     let scratch = Scratch::new();

@@ -59,17 +59,17 @@ mutants! {
     ForeignStopIgnored, Some(3), "an emergency stop of another coordinator is not obeyed";
     RivalObeyed, Some(0), "the orders of any coordinator count as those of the one that is followed";
     RivalsUnseen, Some(17), "two coordinators beside each other are not noticed";
-    OldOrdersObeyed, Some(839), "an order counts whatever its epoch and its number";
+    OldOrdersObeyed, Some(75), "an order counts whatever its epoch and its number";
     PoisonedEpochFollowed, Some(2), "an epoch that no coordinator can have given is followed";
     LeaseIgnored, Some(15), "a mode order holds until the next one arrives";
     LeaseOfStrangers, Some(169), "an order holds for as long as it says";
-    NumbersIgnored, Some(36), "messages are taken in the order of their arrival, whatever their number";
+    NumbersIgnored, Some(51), "messages are taken in the order of their arrival, whatever their number";
     StaleViewBelieved, Some(16), "a station's state holds until the next one arrives";
     GapUnseen, Some(327), "after a standstill what was received before it counts as new";
     // The gateway and the devices.
     GatewayAgeIgnored, Some(6), "a station's outputs hold at the gateway until the next ones arrive";
     GatewayStopIgnored, Some(615), "the gateway puts out images from before an emergency stop, and manual does not wait for stations without it";
-    ImagesDrivenAtOnce, Some(75), "the gateway puts out an image whatever the mode";
+    ImagesDrivenAtOnce, Some(82), "the gateway puts out an image whatever the mode";
     SlowRecordKeepsOutputs, Some(373), "outputs stay on while a record takes longer than images are valid";
     LossesUnseen, Some(90), "a loss of devices shorter than a scan is not seen";
     OutputsKeptAtLoss, Some(32), "devices keep their outputs when their manager falls silent";
@@ -81,7 +81,7 @@ mutants! {
     DevicesUnheard, Some(215), "devices count as received";
     MotionUnheard, Some(6), "every station counts as standing";
     GenerationsUnheard, Some(3), "every station counts as having the same generation";
-    AcknowledgedUnheard, Some(12), "every order counts as acknowledged";
+    AcknowledgedUnheard, Some(15), "every order counts as acknowledged";
     StationStopUnheard, Some(16), "an emergency stop that a station has is not adopted";
     RestartUnheard, Some(0), "a station that was restarted counts as the same";
     ResetNotNeeded, Some(6), "manual ends an emergency stop that was not reset";

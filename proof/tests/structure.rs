@@ -2,7 +2,7 @@
 //! in the chart is found and named.
 
 use linewright_line::net::StationNet;
-use linewright_line::{Arrow, Line, TransferLine, parse};
+use linewright_line::{Arrow, Line, OpId, StationId, TransferLine, parse};
 use linewright_nets::explore;
 use linewright_proof::structure::chart::{every_circuit_has_a_token, home_is_consistent, run_ahead, separated};
 use linewright_proof::structure::{StructureReport, judge_line, judge_stations};
@@ -100,7 +100,34 @@ fn a_lag_more_lets_the_states_overlap() {
     let mut line = shipped(1);
     line.arrows[1].lag = 1;
     let why = separated(&line, &line.conflicts[0]).unwrap_err().to_string();
-    assert!(why.contains("too early a cycle (2 in all"), "{why}");
+    assert!(why.contains("in the cycle before, so both can begin before either has ended"), "{why}");
+    let [from, to] = [line.arrows[1].from, line.arrows[1].to].map(|end| full_name(&line, end));
+    let arrow = format!("from = \"{from}\", to = \"{to}\", lag = 1");
+    assert!(why.contains("an arrow may be the wrong way round: ") && why.contains(&arrow), "{why}");
+}
+
+#[test]
+fn an_arrow_whose_lag_is_too_large_is_named() {
+    let mut line = shipped(1);
+    line.arrows[1].lag = 2;
+    let arrow = line.arrows[1];
+    let why = separated(&line, &line.conflicts[0]).unwrap_err().to_string();
+    let [from, to] = [arrow.from, arrow.to].map(|end| full_name(&line, end));
+    assert!(why.contains(&format!("from = \"{from}\", to = \"{to}\", lag = 2")), "{why}");
+    assert!(!why.contains("nothing in both modes"), "{why}");
+}
+
+#[test]
+fn swapped_ends_of_a_conflict_are_named() {
+    let mut line = shipped(1);
+    let a = &mut line.conflicts[0].a;
+    (a.from, a.until) = (a.until, a.from);
+    let why = separated(&line, &line.conflicts[0]).unwrap_err().to_string();
+    assert!(why.contains("`from` and `until` may be swapped"), "{why}");
+}
+
+fn full_name(line: &Line, (station, op): (StationId, OpId)) -> String {
+    format!("{}: {}", line.station(station).name, line.operation((station, op)).name)
 }
 
 fn joins(line: &Line, arrow: &Arrow, from: &str, to: &str) -> bool {

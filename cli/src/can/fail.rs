@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use linewright_line::{Device, DeviceKind, InputId, Line, Operation, OperationModule, OutputId, Owner, StationId};
+use linewright_line::{
+    Device, DeviceKind, Grip, InputId, Line, Operation, OperationModule, OutputId, Owner, StationId,
+};
 use linewright_node_shell::RosArgs;
 use linewright_plant::{CLEAR, FAULT_INDEX, InputFault, MotionFault, ObjectWrites};
 use miette::{IntoDiagnostic, miette};
@@ -123,6 +125,11 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
                 args.operation.as_deref().unwrap_or_default(),
                 args.station
             ));
+        }
+        if let Some(fault @ (MotionFault::Miss | MotionFault::Drop)) = fault
+            && !closes_a_gripper(line, args)?
+        {
+            return Err(no_gripper(line, args, fault));
         }
         return Ok(vec![(device, vec![((FAULT_INDEX, sub), fault.map_or(0, MotionFault::code))])]);
     }
@@ -241,6 +248,45 @@ fn has_fault_signal(line: &Line, args: &FailArgs) -> miette::Result<bool> {
     Ok(all.any(|signals| signals.actuator == output && signals.fault.is_some()))
 }
 
+/// Whether a motion of the output that moves it ends where a gripper is closed.
+fn closes_a_gripper(line: &Line, args: &FailArgs) -> miette::Result<bool> {
+    let (id, output) = motion(line, args)?;
+    Ok(line.station(id).operations.iter().any(|operation| closes(line, id, operation, Some(output))))
+}
+
+/// Whether the normal or recovery motion of an operation, by this output if one is given, ends where a gripper is closed.
+fn closes(line: &Line, station: StationId, operation: &Operation, output: Option<OutputId>) -> bool {
+    /// Nearer than every switch can tell.
+    const SAME_PLACE: f64 = 1e-6;
+    let motion = &operation.motion;
+    let back = match &operation.module {
+        OperationModule::Reversible { recovery, .. } => Some((recovery.actuator, motion.from)),
+        OperationModule::Irreversible { .. } => None,
+    };
+    let ends = std::iter::once((operation.normal.actuator, motion.to)).chain(back);
+    ends.filter(|(actuator, _)| output.is_none_or(|output| output == *actuator)).any(|(_, end)| {
+        line.handling.holders.iter().any(|holder| {
+            let Grip::Hand(stand) = holder.grip else { return false };
+            (stand.station, stand.axis) == (station, motion.axis) && (stand.at - end).abs() < SAME_PLACE
+        })
+    })
+}
+
+fn no_gripper(line: &Line, args: &FailArgs, fault: MotionFault) -> miette::Report {
+    let of_station = |(id, name): (StationId, &str)| {
+        let operations = line.station(id).operations.iter().filter(|operation| closes(line, id, operation, None));
+        operations.map(|operation| format!("`{}` of {name}", operation.name)).collect::<Vec<_>>()
+    };
+    let stations = line.station_ids().map(|id| (id, line.station(id).name.as_str()));
+    let closing: Vec<String> = stations.flat_map(of_station).collect();
+    let help = match closing.is_empty() {
+        true => "no station of the description has a gripper, a holder of `kind = \"hand\"`".to_owned(),
+        false => format!("motions of grippers: {}", closing.join(", ")),
+    };
+    let operation = args.operation.as_deref().unwrap_or_default();
+    miette!(help = help, "`{operation}` of {} closes no gripper: it cannot {}", args.station, fault.name())
+}
+
 /// The station of a motion, and its output.
 fn motion(line: &Line, args: &FailArgs) -> miette::Result<(StationId, OutputId)> {
     let id = load::station(line, &args.station)?;
@@ -266,6 +312,7 @@ mod tests {
 
     use super::*;
 
+    const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/line.toml");
     const DRIVES: &str = include_str!("../../../model/line/tests/descriptions/drives.toml");
 
     pub fn args(station: &str, what: InjectedFault) -> FailArgs {
@@ -379,6 +426,26 @@ mod tests {
             }
         }
         assert!(refused > 0);
+    }
+
+    /// It would end with 0 and do nothing.
+    #[test]
+    fn a_motion_that_closes_no_gripper_does_not_miss_and_drops_nothing() {
+        let cell = linewright_line::parse("line.toml", C1).expect("it parses").line;
+        let shipped = linewright_line::TransferLine::default().text();
+        let shipped = linewright_line::parse("line.toml", &shipped).expect("it parses").line;
+        let fails = |line: &Line, station: &str, operation: &str, fault| {
+            let what = InjectedFault::Motion(fault);
+            orders(line, &FailArgs { operation: Some(operation.to_owned()), ..args(station, what) }).map(drop)
+        };
+        for fault in [MotionFault::Miss, MotionFault::Drop] {
+            fails(&cell, "robot", "grasp for m1", fault).expect("it closes the gripper");
+            let why = fails(&cell, "robot", "carry to m1", fault).expect_err("nothing closes");
+            assert!(why.to_string().contains("closes no gripper: it cannot"), "{why}");
+            assert!(why.help().is_some_and(|help| help.to_string().contains("`grasp for m1` of robot")), "{why:?}");
+            let why = fails(&shipped, "clamp_1", "advance clamp", fault).expect_err("there are no parts");
+            assert!(why.help().is_some_and(|help| help.to_string().contains("no gripper")), "{why:?}");
+        }
     }
 
     #[test]

@@ -343,10 +343,24 @@ enum ResourceService {
     /// Reset the resource's station, or a named station, that a recovery rule has put into emergency stop. It follows
     /// the line's mode again; a motion that was stopped half-way is led on in manual.
     Reset,
+    /// Anything else.
+    #[command(external_subcommand)]
+    Unknown(Vec<String>),
+}
+
+/// Commands for a resource.
+const COMMANDS: [&str; 4] = ["alarm", "down", "up", "reset"];
+
+fn unknown_command(words: &[String]) -> miette::Report {
+    let word = words.first().map_or("", String::as_str);
+    load::or_meant(miette!("unknown command '{word}'; commands: {}", COMMANDS.join(", ")), word, COMMANDS)
 }
 
 /// `linewright resource`
 pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    if let Some(ResourceService::Unknown(words)) = &args.is {
+        return Err(unknown_command(words));
+    }
     let line = load::line_of_cell(&args.cell)?;
     let mut client = CellClient::open(&line, ros, "resource")?;
     let state = client.until_heard(CONNECT).await?;
@@ -373,7 +387,7 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
             }
             return Ok(ExitCode::SUCCESS);
         }
-        (Some(name), None) => return Err(miette!("missing state for {name}: alarm, down, up or reset")),
+        (Some(name), None) => return Err(miette!("missing command for {name}: alarm, down, up or reset")),
         (None, Some(_)) => return Err(miette!("missing resource name")),
     };
     let (what, text, state) = match is {
@@ -385,6 +399,7 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
         ResourceService::Down => (SetResourceRequest::DOWN, String::new(), "is out of service"),
         ResourceService::Up => (SetResourceRequest::UP, String::new(), "is in service again"),
         ResourceService::Reset => (SetResourceRequest::RESET, String::new(), "is reset"),
+        ResourceService::Unknown(words) => return Err(unknown_command(&words)),
     };
     client.resource(&name, what, &text).await?;
     done(args.json, &format!("{name} {state}"), json!({ "resource": name, "state": state }))?;

@@ -12,6 +12,7 @@ use linewright_proof::cell::{
     CellExploration, CellPath, CellProperty, Checked, GroupExplored, Holding, Verdict, WaitingPart, check,
     check_conflicts,
 };
+use linewright_proof::explore::SearchLimits;
 use miette::miette;
 use serde::Serialize;
 
@@ -157,12 +158,15 @@ impl CellReport {
     /// Adds what is found of the order protocol, activity by activity.
     fn follow_orders(&mut self, cell: &Cell, line: &Line, options: &ExploreOptions) {
         let mut setting = ProtocolSetting::new(cell, line);
-        setting.states = usize::try_from(options.cell_limits().states).unwrap_or(usize::MAX).min(setting.states);
+        let SearchLimits { states, bytes } = options.order_limits();
+        (setting.states, setting.bytes) = (states, bytes);
         match check_protocol(&setting) {
             Ok(found) => {
-                let properties = properties(&found);
-                self.ok &= properties.iter().all(|property| property.verdict != Verdict::Fails);
-                self.properties.extend(properties.into_iter().map(CellFinding::from));
+                let mut properties = properties(&found);
+                let help = found.iter().find_map(|one| one.limit).map(|limit| options.further_orders(limit));
+                let open = properties.iter_mut().filter(|property| property.verdict == Verdict::Undecided);
+                open.for_each(|property| property.help = help.clone());
+                self.add_more(properties);
             }
             // A cell without reserved grasps is checked, and not played.
             Err(why) => self.properties.push(CellFinding {
@@ -311,12 +315,15 @@ pub fn write(report: &CellReport, out: &mut String) -> std::fmt::Result {
     for problem in report.problems.iter().filter(|problem| problem.line.is_none()) {
         writeln!(out, "✗ {}", problem.message)?;
     }
-    for CellFinding { name, verdict, reason, help, counterexample } in &report.properties {
+    for (nth, finding) in report.properties.iter().enumerate() {
+        let CellFinding { name, verdict, reason, help, counterexample } = finding;
         writeln!(out, "{} {name}: {reason}", super::show::sign(verdict))?;
         if let Some(counterexample) = counterexample {
             story(counterexample, out)?;
         }
-        if let Some(help) = help {
+        // Of several in a row with the same help, the last has it.
+        let next = report.properties.get(nth + 1).and_then(|next| next.help.as_ref());
+        if let Some(help) = help.as_ref().filter(|help| next != Some(help)) {
             writeln!(out, "  help: {help}")?;
         }
     }

@@ -3,6 +3,7 @@
 use clap::{Args, ValueEnum};
 use linewright_line::Line;
 use linewright_line::net::ControlMode;
+use linewright_proof::cell::protocol;
 use linewright_proof::explore::{
     Grants, LimitReached, LineExploration, LineExplored, LineNotExplorable, LinePath, LineProperty, SearchLimits,
     Verdict, explore,
@@ -11,7 +12,7 @@ use linewright_proof::parts::{SubLine, cyclic, parts, smallest_parts, task_drive
 use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
-use crate::parts::PartList;
+use crate::parts::{PartList, at_least_1};
 
 /// What is explored, and how freely.
 #[derive(Clone, Debug, Args)]
@@ -41,11 +42,11 @@ pub struct ExploreOptions {
     /// Explore the whole line at once instead of its parts.
     #[arg(long)]
     whole: bool,
-    /// Most states to keep; beyond, the verdict is undecided.
-    #[arg(long, default_value_t = 50_000_000)]
-    states: usize,
+    /// Most states to keep; beyond, the verdict is undecided [default: 50000000; of the orders of an activity 1000000].
+    #[arg(long, value_parser = at_least_1)]
+    states: Option<usize>,
     /// Most memory, about, in MiB; beyond, the verdict is undecided.
-    #[arg(long, default_value_t = 3072)]
+    #[arg(long, default_value_t = 3072, value_parser = at_least_1)]
     memory: usize,
     /// Of a cell: let in only so many parts of each type, as in `A=2,B=1`; others not at all. May be repeated.
     #[arg(long, value_name = "TYPE=N", value_parser = PartList::read)]
@@ -90,6 +91,8 @@ enum SafetyRule {
     MeasuredStop,
 }
 
+/// Most states to keep, if the options have none.
+const STATES: usize = 50_000_000;
 /// What the scope of a part begins with.
 pub const PART: &str = "part";
 /// A line of more stations than this is explored in parts.
@@ -189,6 +192,11 @@ impl ExploreOptions {
         linewright_proof::cell::ExplorationLimits { states: states as u64, bytes, threads }
     }
 
+    /// Limits of the exploration of an activity's orders, which takes more for each state.
+    pub fn order_limits(&self) -> SearchLimits {
+        SearchLimits { states: self.states.unwrap_or(protocol::STATES), ..self.limits() }
+    }
+
     /// Explores by the options. The first failure ends it, as one is enough.
     ///
     /// # Errors
@@ -286,7 +294,7 @@ impl ExploreOptions {
     }
 
     fn limits(&self) -> SearchLimits {
-        SearchLimits { states: self.states, bytes: self.memory.saturating_mul(1 << 20) }
+        SearchLimits { states: self.states.unwrap_or(STATES), bytes: self.memory.saturating_mul(1 << 20) }
     }
 
     /// The exploration with intact memories, then the one with restarts and lost memories; only the first where a property fails
@@ -342,17 +350,27 @@ impl ExploreOptions {
 
     /// What lets a search look further. How much there is to see is not known before.
     fn further(&self, limit: LimitReached, kept: usize) -> String {
-        let more = match limit {
+        let more = self.more(limit, self.limits().states);
+        format!(
+            "{kept} states are kept, and how many there are is not known. {more}; fewer modes (`--mode auto`) are fewer states"
+        )
+    }
+
+    /// Help below an undecided rule of an activity's orders: the option that looks further.
+    pub fn further_orders(&self, limit: LimitReached) -> String {
+        let more = self.more(limit, self.order_limits().states);
+        format!("how many states the orders of an activity have is not known. {more}")
+    }
+
+    fn more(&self, limit: LimitReached, states: usize) -> String {
+        match limit {
             LimitReached::States => {
-                format!("`--states {}` looks at twice as many, if the memory suffices", self.states.saturating_mul(2))
+                format!("`--states {}` looks at twice as many, if the memory suffices", states.saturating_mul(2))
             }
             LimitReached::Memory => {
                 format!("`--memory {}` allows twice the {} MiB", self.memory.saturating_mul(2), self.memory)
             }
-        };
-        format!(
-            "{kept} states are kept, and how many there are is not known. {more}; fewer modes (`--mode auto`) are fewer states"
-        )
+        }
     }
 
     /// Auto mode alone, with nothing failing: whether every wait of the normal cycle ends.

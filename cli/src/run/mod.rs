@@ -33,13 +33,13 @@ use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
-use crate::parts::PartList;
+use crate::parts::{PartList, at_least_1};
 use crate::watch::{PICTURE_EVERY, Screen, WatchState};
 use cell::CellRun;
 use children::Children;
 use directory::RunDirectory;
 use observer::BusObserver;
-use start::{addresses_are_free, nothing_runs_yet, start_all};
+use start::{addresses_are_free, nothing_runs_yet, start_all, structure_holds};
 use startup::StartUp;
 use stopping::{StopStep, next_step};
 use tally::{RunTally, standing};
@@ -50,7 +50,7 @@ pub struct Args {
     /// The line's directory, or its description file.
     line: PathBuf,
     /// Cycles of the line after which to end, at home. After a fault an operator can go on; the exit code is 1 then.
-    #[arg(long)]
+    #[arg(long, value_parser = at_least_1)]
     cycles: Option<usize>,
     /// Make these parts of a cell and end, as A=2,B=1; may be repeated.
     #[arg(long, value_name = "TYPE=N", value_parser = PartList::read)]
@@ -61,6 +61,9 @@ pub struct Args {
     /// Leave the line at home in its first mode, to be operated from elsewhere.
     #[arg(long)]
     no_auto: bool,
+    /// Start a line that `check --structure` refuses.
+    #[arg(long)]
+    unchecked: bool,
     /// Start no simulated plant: the devices are real, or run elsewhere.
     #[arg(long)]
     no_plant: bool,
@@ -74,7 +77,7 @@ pub struct Args {
     #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
     retention: Option<u32>,
     /// Number of stations in each process.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = at_least_1)]
     stations_per_process: usize,
     /// Longest time without progress, in seconds: with --cycles or --parts, the run fails when no cycle ends and no
     /// mode changes for so long; always, when the line is not at home so long after Ctrl-C [default: 30, or four times
@@ -113,8 +116,8 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
         Some(_) if args.cycles.is_some() => return Err(miette!("a cell has no cycles; order parts with --parts")),
         Some(_) | None => {}
     }
-    if args.cycles == Some(0) || args.stations_per_process == 0 {
-        return Err(miette!("--cycles and --stations-per-process are at least 1"));
+    if !args.unchecked {
+        structure_holds(&line, &args.line)?;
     }
     let _claim = Claim::line(&ros, &format!("/{}", line.name)).map_err(|error| miette!("{error}"))?;
     // A run with its own devices has buses of its own; other devices are on the shared buses.

@@ -13,6 +13,22 @@ use super::children::Children;
 use crate::can::run_of;
 use crate::nodes::{claim_coordinator, claim_station};
 
+/// What `check` refuses by structure alone is not started: its arrows do not keep stations apart, or its net is broken.
+pub fn structure_holds(line: &Line, file: &Path) -> miette::Result<()> {
+    /// More reasons are for `check`.
+    const REASONS_MAX: usize = 3;
+    let reasons: Vec<String> = crate::check::refusals(line).take(REASONS_MAX).collect();
+    if reasons.is_empty() {
+        return Ok(());
+    }
+    let path = crate::out::shell_word(&file.display().to_string());
+    Err(miette!(
+        help = "`--unchecked` starts it all the same",
+        "`linewright check {path}` refuses this line, and nothing was started:\n{}",
+        reasons.join("\n")
+    ))
+}
+
 /// Claims what the nodes are going to claim, and lets go of it: an error names a process that holds any of it already.
 pub fn nothing_runs_yet(line: &Line, args: &Args, ros: &RosArgs, bus: &BusOptions) -> miette::Result<()> {
     let state_dir = args.state_dir.as_deref();

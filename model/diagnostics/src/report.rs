@@ -1,5 +1,7 @@
 //! Collection of a reader's findings.
 
+use std::ops::Range;
+
 use crate::problems::Cut;
 use crate::{Problem, Problems};
 
@@ -67,6 +69,7 @@ impl Report {
 
     /// Adds all that another one holds.
     pub fn join(&mut self, other: Report) {
+        self.has_unknown |= other.has_unknown;
         self.cut.errors |= other.cut.errors;
         self.cut.warnings |= other.cut.warnings;
         other.errors.into_iter().chain(other.warnings).for_each(|problem| self.add(problem));
@@ -82,6 +85,11 @@ impl Report {
     /// Whether anything forbids using the file.
     pub fn has_errors(&self) -> bool {
         !self.errors.is_empty()
+    }
+
+    /// Whether an error is about exactly this place.
+    pub fn has_error_at(&self, span: &Range<usize>) -> bool {
+        self.errors.iter().any(|problem| problem.span == *span)
     }
 
     /// The result, with the warnings, if nothing forbids using it; otherwise all problems. No result without an error is

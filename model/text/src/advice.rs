@@ -59,6 +59,12 @@ pub(crate) fn wrong_value(at: Range<usize>, what: &str, expected: &str, found: &
         .maybe_hint(instead(found, expected).map(|value| format!("write `{value}")))
 }
 
+/// The value that the advice has in the place of a value of another type.
+pub(crate) fn advised(found: &Item, expected: &str) -> Option<Value> {
+    let advice = instead(found.as_value()?, expected)?;
+    advice.split('`').next()?.parse().ok()
+}
+
 /// The value that is probably meant, from behind the opening quote of a stretch of code.
 fn instead(found: &Value, expected: &str) -> Option<String> {
     match found {
@@ -149,6 +155,21 @@ pub(crate) fn decimal_comma(line: &str) -> Option<String> {
     let (whole, fraction) = (line[start..at].trim(), &line[at + 1..at + 1 + decimals]);
     let key = line[..start - 1].rsplit(['{', ',']).next().unwrap_or_default().trim();
     Some(format!("write `{key} = {whole}.{fraction}`: a decimal point, no comma"))
+}
+
+/// What is written for a hexadecimal number in a line that is no TOML: `14h`.
+pub(crate) fn hexadecimal_number(line: &str) -> Option<String> {
+    let (key, value) = line.split_once('=')?;
+    let value = value.split('#').next().unwrap_or_default().trim();
+    let digits = value.strip_suffix(['h', 'H']).and_then(|_| hexadecimal(value))?;
+    Some(format!("write `{} = 0x{digits}`: a hexadecimal number begins with 0x", key.trim()))
+}
+
+/// What is written for the second table under a header that may stand once.
+pub(crate) fn second_header(line: &str, message: &str) -> Option<String> {
+    let name = line.trim().strip_prefix('[')?.split(']').next()?.trim();
+    let is_second = message.contains("duplicate key") && !name.starts_with('[');
+    is_second.then(|| format!("if there are several, write each under a header `[[{name}]]`, with two brackets"))
 }
 
 fn described(type_name: &str) -> &str {

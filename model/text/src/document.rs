@@ -2,7 +2,7 @@
 
 use toml_edit::Document;
 
-use crate::advice::decimal_comma;
+use crate::advice::{decimal_comma, hexadecimal_number, second_header};
 use crate::{Problem, Report};
 
 /// Longest text, in bytes: a shipped line has 16 KiB, a thousand stations fit in one.
@@ -36,7 +36,8 @@ pub fn document<'a>(text: &'a str, report: &mut Report) -> Option<Document<&'a s
             let start = text[..text.floor_char_boundary(at.start)].rfind('\n').map_or(0, |end| end + 1);
             let line = text[start..].lines().next().unwrap_or_default();
             let problem = Problem::error(at, message).label("reading stopped here");
-            report.add(problem.maybe_hint(decimal_comma(line)));
+            let hint = decimal_comma(line).or_else(|| hexadecimal_number(line));
+            report.add(problem.maybe_hint(hint.or_else(|| second_header(line, error.message()))));
             None
         }
     }

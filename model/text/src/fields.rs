@@ -7,10 +7,12 @@
 use std::fmt;
 use std::time::Duration;
 
-use toml_edit::{Array, Item, Table, TableLike, Value};
+use toml_edit::{Item, Table, TableLike, Value};
 
-use crate::advice::{missing, wrong_type, wrong_value};
+use crate::advice::{advised, missing, wrong_type, wrong_value};
+use crate::lists::texts_of;
 use crate::place::{Located, LocatedName, Named, TextRange};
+use crate::suggest::nearest_all;
 use crate::{Problem, Report, Shape, suggestion};
 
 /// No duration of a mechanism or message is sensibly longer.
@@ -48,12 +50,53 @@ pub struct Fields<'a> {
     about: &'static [&'static str],
     /// Its name where that stands in its header, by mistake.
     header_name: Option<LocatedName>,
+    /// Keys that are missing, each with the misspelled one that is read for it.
+    misspelled: Vec<(&'static str, &'a str)>,
 }
 
 impl<'a> Fields<'a> {
     /// The table at this place; `what` it is, for messages: "a station", "`moves`".
     pub fn new(table: &'a dyn TableLike, at: TextRange, what: &'static str) -> Self {
-        Fields { table, at, what, asked: Vec::new(), about: &[], header_name: None }
+        Fields { table, at, what, asked: Vec::new(), about: &[], header_name: None, misspelled: Vec::new() }
+    }
+
+    /// The same table, to be read once more: a key that is missing is read where it is misspelled. None if no key is.
+    ///
+    /// The rest of the text refers to what is meant: without it, one slip would have many errors follow.
+    pub(crate) fn as_meant(&self) -> Option<Self> {
+        let mut meant = Vec::new();
+        for (written, _) in self.unknown() {
+            let near = nearest_all(written, self.asked.iter().copied());
+            if let [key] = near[..]
+                && let Some(key) = self.asked.iter().find(|asked| **asked == key)
+                && !self.has(key)
+                && !meant.iter().any(|(known, _)| known == key)
+            {
+                meant.push((*key, written));
+            }
+        }
+        let header_name = self.header_name.clone();
+        let same = Fields { header_name, misspelled: meant, ..Fields::new(self.table, self.at.clone(), self.what) };
+        (!same.misspelled.is_empty()).then_some(same)
+    }
+
+    /// Whether what was read where its key is misspelled is of the right type.
+    pub(crate) fn misspelled_fit(&self, report: &Report) -> bool {
+        let places = self.misspelled.iter().filter_map(|(_, written)| self.table.get(written)?.span());
+        places.into_iter().all(|span| !report.has_error_at(&span))
+    }
+
+    /// The keys that were not read.
+    fn unknown(&self) -> impl Iterator<Item = (&'a str, &'a Item)> {
+        self.table.iter().filter(|(key, item)| !item.is_none() && !self.asked.contains(key))
+    }
+
+    /// The key under which the value of `key` is written.
+    fn written<'k>(&self, key: &'k str) -> &'k str
+    where
+        'a: 'k,
+    {
+        self.misspelled.iter().find(|(known, _)| *known == key).map_or(key, |(_, written)| written)
     }
 
     /// Notes the meaning of the key that is read next, for messages.
@@ -68,18 +111,18 @@ impl<'a> Fields<'a> {
 
     /// Whether anything is written at `key`, whatever it is.
     pub fn has(&self, key: &str) -> bool {
-        self.table.get(key).is_some_and(|item| !item.is_none())
+        self.table.get(self.written(key)).is_some_and(|item| !item.is_none())
     }
 
     /// Whether a table is written at `key`, for what may be a table or something shorter.
     pub fn is_table(&self, key: &str) -> bool {
-        self.table.get(key).is_some_and(Item::is_table_like)
+        self.table.get(self.written(key)).is_some_and(Item::is_table_like)
     }
 
     /// The item at `key` with its place.
     fn item(&mut self, key: &'static str) -> Option<(&'a Item, TextRange)> {
         self.asked.push(key);
-        let (found, item) = self.table.get_key_value(key)?;
+        let (found, item) = self.table.get_key_value(self.written(key))?;
         let at = item.span().or_else(|| found.span()).unwrap_or_else(|| self.at.clone());
         (!item.is_none()).then_some((item, at))
     }
@@ -101,6 +144,23 @@ impl<'a> Fields<'a> {
         }
     }
 
+    /// A value of a simple type. Where another type is written and the advice has a value, that value is read: the rest of the text
+    /// refers to it.
+    fn scalar<T>(
+        &mut self,
+        report: &mut Report,
+        key: &'static str,
+        expected: &str,
+        get: fn(&Item) -> Option<T>,
+    ) -> Option<Located<T>> {
+        let (item, at) = self.item(key)?;
+        let value = get(item).or_else(|| {
+            report.add(wrong_type(at.clone(), key, expected, item));
+            get(&Item::Value(advised(item, expected)?))
+        })?;
+        Some(Located::new(value, at))
+    }
+
     /// Reports that a required key of this shape is missing.
     pub(crate) fn require<T>(
         &self,
@@ -109,7 +169,7 @@ impl<'a> Fields<'a> {
         shape: &dyn Fn() -> Shape,
         found: Option<T>,
     ) -> Option<T> {
-        if found.is_none() && self.table.get(key).is_none_or(Item::is_none) {
+        if found.is_none() && !self.has(key) {
             report.add(
                 Problem::error(self.at.clone(), format!("{} needs `{key}`", self.what))
                     .label(format!("no `{key}` here"))
@@ -137,37 +197,37 @@ impl<'a> Fields<'a> {
 
     /// True or false.
     pub fn flag(&mut self, report: &mut Report, key: &'static str) -> Option<Located<bool>> {
-        self.read(report, key, "true or false", Item::as_bool)
+        self.scalar(report, key, "true or false", Item::as_bool)
     }
 
     /// A whole number.
     pub fn integer(&mut self, report: &mut Report, key: &'static str) -> Option<Located<i64>> {
-        self.read(report, key, "a whole number", Item::as_integer)
+        self.scalar(report, key, "a whole number", Item::as_integer)
     }
 
     /// A coordinate in millimetres.
     pub fn coordinate(&mut self, report: &mut Report, key: &'static str) -> Option<Located<f64>> {
-        let number = self.read(report, key, "a number", number)?;
+        let number = self.scalar(report, key, "a number", number)?;
         checked_coordinate(report, number, key)
     }
 
     /// A number above zero: a distance, a speed, a ratio.
     pub fn positive(&mut self, report: &mut Report, key: &'static str) -> Option<Located<f64>> {
-        let number = self.read(report, key, "a number", number)?;
+        let number = self.scalar(report, key, "a number", number)?;
         let fits = (POSITIVE_MIN..=POSITIVE_MAX).contains(&number.value);
         checked(report, key, number, fits, "a number above zero, at least 0.000001 and at most 1000000000")
     }
 
     /// Any number.
     pub fn number(&mut self, report: &mut Report, key: &'static str) -> Option<Located<f64>> {
-        let number = self.read(report, key, "a number", number)?;
+        let number = self.scalar(report, key, "a number", number)?;
         let fits = number.value.is_finite();
         checked(report, key, number, fits, "a finite number")
     }
 
     /// A number within bounds.
     pub fn within(&mut self, report: &mut Report, key: &'static str, low: f64, high: f64) -> Option<Located<f64>> {
-        let number = self.read(report, key, "a number", number)?;
+        let number = self.scalar(report, key, "a number", number)?;
         let fits = (low..=high).contains(&number.value);
         checked(report, key, number, fits, format!("between {low} and {high}"))
     }
@@ -205,7 +265,7 @@ impl<'a> Fields<'a> {
 
     /// A positive duration in seconds.
     pub fn seconds(&mut self, report: &mut Report, key: &'static str) -> Option<Located<Duration>> {
-        let seconds = self.read(report, key, "a number of seconds", number)?;
+        let seconds = self.scalar(report, key, "a number of seconds", number)?;
         if !(DURATION_MIN_S..=DURATION_MAX_S).contains(&seconds.value) {
             report.add(
                 Problem::error(seconds.at, format!("`{key}` is {} seconds", seconds.value))
@@ -219,7 +279,7 @@ impl<'a> Fields<'a> {
 
     /// A period in whole milliseconds.
     pub fn millis(&mut self, report: &mut Report, key: &'static str) -> Option<Located<Duration>> {
-        let millis = self.read(report, key, "a whole number of milliseconds", Item::as_integer)?;
+        let millis = self.scalar(report, key, "a whole number of milliseconds", Item::as_integer)?;
         match u64::try_from(millis.value) {
             Ok(value) if (1..=MILLIS_MAX).contains(&millis.value) => {
                 Some(Located::new(Duration::from_millis(value), millis.at))
@@ -373,10 +433,7 @@ impl<'a> Fields<'a> {
 
     /// Reports every key that was not read.
     pub fn finish(self, report: &mut Report) {
-        for (key, item) in self.table.iter() {
-            if item.is_none() || self.asked.contains(&key) {
-                continue;
-            }
+        for (key, item) in self.unknown() {
             let key_at = self.table.key(key).and_then(|k| k.span());
             let at = key_at.or_else(|| item.span()).unwrap_or_else(|| self.at.clone());
             report.add(
@@ -426,40 +483,4 @@ fn checked_coordinate(report: &mut Report, number: Located<f64>, key: &str) -> O
     let problem = Problem::error(number.at, format!("`{key}` is {}", number.value));
     report.add(problem.label("not a usable coordinate").hint("between -1000000 and 1000000 mm"));
     None
-}
-
-/// The texts of a list, at most `max` of them. Of a list that is too long the first are read all the same, and a text by itself as a
-/// list of one: the rest of the description refers to them.
-fn texts_of(
-    report: &mut Report,
-    key: &str,
-    item: &Item,
-    at: TextRange,
-    max: usize,
-) -> Option<Located<Vec<LocatedName>>> {
-    if let Some(array) = item.as_array() {
-        return Some(list(report, key, Located::new(array, at), max));
-    }
-    report.add(wrong_type(at.clone(), key, "a list of texts", item));
-    let text = item.as_str().filter(|text| text.len() <= TEXT_MAX && max > 0)?;
-    Some(Located::new(vec![Located::new(text.to_owned(), at.clone())], at))
-}
-
-fn list(report: &mut Report, key: &str, array: Located<&Array>, max: usize) -> Located<Vec<LocatedName>> {
-    if array.value.len() > max {
-        report.add(
-            Problem::error(array.at.clone(), format!("`{key}` has {} entries", array.value.len()))
-                .hint(format!("at most {max}")),
-        );
-    }
-    let mut texts = Vec::with_capacity(array.value.len().min(max));
-    for value in array.value.iter().take(max) {
-        let at = value.span().unwrap_or_else(|| array.at.clone());
-        match value.as_str() {
-            Some(text) if text.len() <= TEXT_MAX => texts.push(Located::new(text.to_owned(), at)),
-            Some(_) => report.add(Problem::error(at, format!("an entry of `{key}` has over {TEXT_MAX} bytes"))),
-            None => report.add(wrong_value(at, &format!("an entry of `{key}`"), "text in quotes", value)),
-        }
-    }
-    Located::new(texts, array.at)
 }

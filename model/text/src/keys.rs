@@ -15,8 +15,21 @@ pub trait Keys: Sized {
 
     /// Reads its keys, and reports all others.
     fn read_all(mut fields: Fields<'_>, report: &mut Report) -> Self {
-        let read = Self::read(&mut fields, report);
-        fields.finish(report);
+        let mut found = Report::default();
+        let mut read = Self::read(&mut fields, &mut found);
+        let as_meant = fields.as_meant();
+        fields.finish(&mut found);
+        // What is near a key by its letters may be something else by its value.
+        if let Some(mut fields) = as_meant {
+            let mut meant = Report::default();
+            let read_as_meant = Self::read(&mut fields, &mut meant);
+            let fits = fields.misspelled_fit(&meant);
+            fields.finish(&mut meant);
+            if fits {
+                (read, found) = (read_as_meant, meant);
+            }
+        }
+        report.join(found);
         read
     }
 
@@ -48,7 +61,7 @@ pub trait Keys: Sized {
 /// let mut report = Report::default();
 /// let text = linewright_text::document("plases = 3", &mut report).unwrap();
 /// let shelf = Shelf::read_all(linewright_text::Fields::new(text.as_table(), 0..0, Shelf::WHAT), &mut report);
-/// assert!(shelf.name.is_none());
+/// assert!(shelf.name.is_none() && shelf.room.is_some_and(|room| room.value == 3));
 /// let problems = format!("{:#}", report.into_problems("shelf.toml", "plases = 3"));
 /// assert!(problems.contains("a shelf needs `name`") && problems.contains("unknown key `plases`"));
 /// ```

@@ -12,6 +12,7 @@ mod fields;
 mod id;
 mod keys;
 mod kind;
+mod lists;
 mod names;
 mod place;
 mod shape;

@@ -7,18 +7,33 @@ use crate::NAME_MAX;
 /// Near enough is a third of the name's letters: enough for a swapped, missing or doubled one, too little for one word
 /// to be taken for another. Case does not count, since a name in the wrong case is always worth a suggestion.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    nearest_all(name, candidates).first().copied()
+}
+
+/// All candidates that are equally near. Of those with as many letters that differ, one that goes on or ends earlier is nearer:
+/// `of` is rather `off` than `on`.
+pub(crate) fn nearest_all<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let wanted = name.to_lowercase();
     if wanted.len() > NAME_MAX {
-        return None;
+        return Vec::new();
     }
     let limit = (wanted.chars().count() / 3).clamp(1, 4);
-    candidates
-        .into_iter()
-        .filter(|candidate| *candidate != name && (1..=NAME_MAX).contains(&candidate.len()))
-        .map(|candidate| (distance(&wanted, &candidate.to_lowercase()), candidate))
-        .filter(|&(distance, _)| distance <= limit)
-        .min_by_key(|&(distance, _)| distance)
-        .map(|(_, candidate)| candidate)
+    let (mut best, mut found) = ((usize::MAX, true), Vec::new());
+    for candidate in candidates {
+        if candidate == name || !(1..=NAME_MAX).contains(&candidate.len()) {
+            continue;
+        }
+        let known = candidate.to_lowercase();
+        let rank = (distance(&wanted, &known), !known.starts_with(&wanted) && !wanted.starts_with(&known));
+        if rank.0 > limit || rank > best || found.contains(&candidate) {
+            continue;
+        }
+        if rank < best {
+            (best, found) = (rank, Vec::new());
+        }
+        found.push(candidate);
+    }
+    found
 }
 
 /// Number of letters by which the names differ; a name cut short or written too long, such as one without its unit, is
@@ -37,8 +52,15 @@ fn distance(wanted: &str, candidate: &str) -> usize {
 pub fn suggestion<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> Option<String> {
     /// More than these are no help to read.
     const LISTED_MAX: usize = 12;
-    if let Some(candidate) = nearest(name, candidates.clone()) {
-        return Some(format!("did you mean `{candidate}`?"));
+    /// More that are equally near are near by chance.
+    const NEAREST_MAX: usize = 3;
+    let near = nearest_all(name, candidates.clone());
+    if !near.is_empty() {
+        let near: Vec<String> = near.iter().take(NEAREST_MAX).map(|candidate| format!("`{candidate}`")).collect();
+        let (last, others) = near.split_last()?;
+        let others = others.iter().map(|name| format!("{name}, ")).collect::<String>();
+        let others = others.strip_suffix(", ").map_or(String::new(), |others| format!("{others} or "));
+        return Some(format!("did you mean {others}{last}?"));
     }
     let all: Vec<String> = candidates.into_iter().take(LISTED_MAX + 1).map(|c| format!("`{c}`")).collect();
     match all.len() {

@@ -124,3 +124,42 @@ fn a_missing_key_is_answered_with_its_form_and_its_first_sentence() {
     assert_eq!(hints(1..3), expected);
     assert_eq!(hints(0..0)[1], "write `name = \"…\"` above the first header `[…]`. Its name");
 }
+
+#[test]
+fn a_hexadecimal_number_and_a_header_twice_are_answered_with_what_to_write() {
+    for (text, advice) in [
+        ("node = 14h", Some("write `node = 0x14`: a hexadecimal number begins with 0x")),
+        ("node = 7Fh # the belt", Some("write `node = 0x7F`: a hexadecimal number begins with 0x")),
+        ("node = 14x", None),
+        (
+            "[arrow]\na = 1\n[arrow]\n",
+            Some("if there are several, write each under a header `[[arrow]]`, with two brackets"),
+        ),
+        ("a = 1\na = 2", None),
+    ] {
+        let mut report = Report::default();
+        assert!(document(text, &mut report).is_none(), "{text}");
+        let problems = report.into_problems("f", text).into_vec();
+        let [problem] = &problems[..] else { panic!("{problems:?}") };
+        assert_eq!(problem.hint.as_deref(), advice, "{text}");
+    }
+}
+
+#[test]
+fn a_misspelled_key_and_a_value_of_the_wrong_type_are_read_as_what_is_meant() {
+    let messages = |text: &str| {
+        let found = problems::<Needed>(text, 0..0);
+        found.into_iter().map(|problem| problem.message).collect::<Vec<_>>()
+    };
+    assert_eq!(messages("limits = 3\nname = \"a\"\nmodule = \"R\""), ["unknown key `limits` in this"]);
+    // By its value it is something else.
+    let other = messages("limits = [3]\nname = \"a\"\nmodule = \"R\"");
+    assert!(other.iter().any(|message| message == "this needs `limit_s`"), "{other:?}");
+
+    let mut report = Report::default();
+    let document = document("count = \"0x14\"\ntime_s = \"800 ms\"", &mut report).expect("it is TOML");
+    let read = OneOfEach::read_all(Fields::new(document.as_table(), 0..0, OneOfEach::WHAT), &mut report);
+    assert_eq!(read.count.map(|count| count.value), Some(20));
+    assert_eq!(read.time_s.map(|time| time.value), Some(std::time::Duration::from_millis(800)));
+    assert_eq!(report.into_problems("f", "").into_vec().len(), 2);
+}

@@ -7,6 +7,7 @@ use linewright_proof::cell::protocol::{
     ANSWERED, ActivityExplored, BrokenRule, ENDED, GIVEN, ProtocolSetting, RESTORED, STOPPED, TWICE, check_protocol,
     properties,
 };
+use linewright_proof::explore::LimitReached;
 
 use super::described;
 
@@ -81,6 +82,24 @@ fn loading_in_c1_keeps_the_rules_when_alarm_is_given_as_far_as_is_looked() {
     let setting = ProtocolSetting { disturbances: 1, states: 100_000, only: Some(LOAD), ..all };
     let found = check_protocol(&setting).unwrap_or_else(|why| panic!("{why}"));
     assert_eq!((found.len(), &found[0].wrong, found[0].states >= 100_000), (1, &None, true), "{}", told(&found));
+    assert_eq!(found[0].limit, Some(LimitReached::States));
+}
+
+#[test]
+fn the_limit_that_ends_an_exploration_is_named_and_leaves_every_rule_undecided() {
+    let (cell, line) = shipped("workcell-c1");
+    let all = ProtocolSetting::new(&cell, &line);
+    for (states, bytes, limit, text) in [
+        (100, usize::MAX, LimitReached::States, "the limit of states was reached"),
+        (1_000_000, 10_000, LimitReached::Memory, "the limit of memory was reached"),
+    ] {
+        let setting = ProtocolSetting { states, bytes, only: Some(LOAD), ..all.clone() };
+        let found = check_protocol(&setting).unwrap_or_else(|why| panic!("{why}"));
+        assert_eq!((found.len(), found[0].limit), (1, Some(limit)), "{}", told(&found));
+        let properties = properties(&found);
+        assert!(properties.iter().all(|property| property.verdict == Verdict::Undecided), "{properties:?}");
+        assert!(properties.iter().all(|property| property.reason.ends_with(text)), "{properties:?}");
+    }
 }
 
 /// The broken rule found with some rules off.

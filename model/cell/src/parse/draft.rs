@@ -43,7 +43,7 @@ pub(super) struct DraftActivity<'a> {
     pub uses: Vec<Located<Use>>,
     /// Whether all could.
     pub is_whole: bool,
-    pub time: Option<Duration>,
+    pub time: Option<Located<Duration>>,
     pub orders: Vec<DraftOrder<'a>>,
 }
 

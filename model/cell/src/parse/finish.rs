@@ -90,7 +90,13 @@ fn transports(
     let stages = numbers.map(|(at, stage)| offsets.stage(at, stage)).filter(|&stage| routes.is_of_use(way, stage));
     Some(
         stages
-            .map(|stage| StageMove { from: stage, to: stage, time: of.time, program: None, stays: Staying::No })
+            .map(|stage| StageMove {
+                from: stage,
+                to: stage,
+                time: of.time.as_ref().map(|time| time.value),
+                program: None,
+                stays: Staying::No,
+            })
             .collect(),
     )
 }

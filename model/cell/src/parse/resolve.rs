@@ -98,7 +98,7 @@ impl<'a> CellScope<'a, '_> {
             kind,
             uses,
             is_whole,
-            time: raw.time.as_ref().map(|time| time.value),
+            time: raw.time.clone(),
             orders: raw.orders.iter().map(|order| self.order(order, report)).collect(),
         }
     }

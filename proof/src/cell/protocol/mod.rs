@@ -37,6 +37,10 @@ use linewright_station_logic::OrderRules;
 pub use stage::NotPlayable;
 
 use super::{CellPath, CellProperty, Verdict};
+use crate::explore::LimitReached;
+
+/// States of one exploration, unless others are asked for: some 10 s.
+pub const STATES: usize = 1_000_000;
 
 /// Subject and extent of an exploration.
 #[derive(Clone, Debug)]
@@ -49,8 +53,10 @@ pub struct ProtocolSetting<'c> {
     pub order_rules: OrderRules,
     /// At most so many faults, restarts, alarms given by hand, reports that arrive late, and motions led by people.
     pub disturbances: u8,
-    /// Of each exploration.
+    /// Most states of each exploration.
     pub states: usize,
+    /// Most memory of each exploration, about.
+    pub bytes: usize,
     /// Only activities of this name, if there is one.
     pub only: Option<&'c str>,
     /// Only this property, if there is one: what else is wrong is passed over, to see what comes of it.
@@ -66,7 +72,8 @@ impl<'c> ProtocolSetting<'c> {
             rules: ProtocolRules::default(),
             order_rules: OrderRules::default(),
             disturbances: 0,
-            states: 1_000_000,
+            states: STATES,
+            bytes: usize::MAX,
             only: None,
             asked: None,
         }
@@ -84,6 +91,8 @@ pub struct ActivityExplored {
     pub disturbed: bool,
     /// Everything was seen, or something wrong.
     pub exhausted: bool,
+    /// The limit that ended it before that. None for an activity with too many different messages, where no limit helps.
+    pub limit: Option<LimitReached>,
     /// The rule that is broken, if one is.
     pub wrong: Option<BrokenRule>,
 }
@@ -143,7 +152,12 @@ pub fn properties(found: &[ActivityExplored]) -> Vec<CellProperty> {
                 (Verdict::Undecided, format!("{} was looked at until something else was found wrong", one.name))
             }
             (None, Some(one)) => {
-                (Verdict::Undecided, format!("{}: {} states were seen, not all", one.name, one.states))
+                let why = match one.limit {
+                    Some(LimitReached::States) => "the limit of states was reached".to_owned(),
+                    Some(LimitReached::Memory) => "the limit of memory was reached".to_owned(),
+                    None => format!("it has more than {} different messages", search::MESSAGES_MAX),
+                };
+                (Verdict::Undecided, format!("{}: undecided after {} states: {why}", one.name, one.states))
             }
             (None, None) => (Verdict::Holds, format!("in all {states} states of {} activities", found.len())),
         };

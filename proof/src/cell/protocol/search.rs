@@ -9,9 +9,10 @@ use super::station::{TaskStationAct, TaskStationModels};
 use super::{
     ANSWERED, ActivityExplored, BrokenRule, CLOSED, ENDED, GIVEN, ProtocolSetting, RESTORED, STOPPED, TWICE, words,
 };
+use crate::explore::LimitReached;
 
 /// Messages of one activity and of what follows it, a bit each. With more the exploration is not exhaustive, and reports so.
-const MESSAGES_MAX: u32 = u64::BITS;
+pub(super) const MESSAGES_MAX: u32 = u64::BITS;
 
 /// A state as numbers: the player, the number of disturbances left, the messages sent (two words); then of each station
 /// its situation, and one more than the number of its report on its way.
@@ -74,10 +75,11 @@ pub(super) fn explore(setting: &ProtocolSetting<'_>, stage: ActivityStart) -> Ac
     stepped.sends.iter().for_each(|&message| sent(&mut first, message));
     search.enter(first.into(), 0, ProtocolArc::Begins);
     let mut at = 0;
-    while at < search.states.len() && search.wrong.is_none() && search.states.len() < setting.states {
+    while at < search.states.len() && search.wrong.is_none() && search.limit().is_none() {
         search.expand(at as u32);
         at += 1;
     }
+    let limit = search.limit().filter(|_| search.wrong.is_none() && at < search.states.len());
     let fits = search.players.messages.len() <= MESSAGES_MAX as usize;
     let exhausted = search.wrong.is_some() || (fits && at == search.states.len());
     if search.wrong.is_none() && exhausted {
@@ -90,6 +92,7 @@ pub(super) fn explore(setting: &ProtocolSetting<'_>, stage: ActivityStart) -> Ac
         states: search.states.len(),
         disturbed: setting.disturbances > 0,
         exhausted,
+        limit,
         wrong,
     }
 }
@@ -102,6 +105,24 @@ fn sent(state: &mut [u32], message: u32) {
 }
 
 impl ProtocolSearch<'_> {
+    /// The limit that has been reached.
+    fn limit(&self) -> Option<LimitReached> {
+        // A state has a number of 32 bits.
+        if self.states.len() >= self.setting.states.min(u32::MAX as usize / 2) {
+            return Some(LimitReached::States);
+        }
+        (self.bytes() > self.setting.bytes).then_some(LimitReached::Memory)
+    }
+
+    /// Memory of the states and arcs, about: each state is kept twice, with the block that holds it.
+    fn bytes(&self) -> usize {
+        const BLOCK: usize = 16;
+        let numbers = self.states.first().map_or(0, |state| size_of_val(&**state));
+        let entries = size_of::<(Packed, u32)>() + size_of::<Packed>() + size_of::<(u32, ProtocolArc)>();
+        let back = size_of::<Vec<u32>>();
+        self.states.len() * (2 * (numbers + BLOCK) + entries + back) + self.arcs.len() * size_of::<[u32; 3]>()
+    }
+
     fn enter(&mut self, state: Packed, from: u32, by: ProtocolArc) {
         let next = self.states.len() as u32;
         let number = *self.numbers.entry(state).or_insert_with_key(|state| {

@@ -30,7 +30,7 @@
 
 use std::collections::VecDeque;
 
-use linewright_line::{Conflict, Line, StateSpan};
+use linewright_line::{Arrow, Conflict, Line, StateSpan, StationId};
 use thiserror::Error;
 
 use super::{ChartIndex, EventGraph};
@@ -149,7 +149,15 @@ impl<'a> Lags<'a> {
         let mut lag = |before: &StateSpan, after: &StateSpan| {
             let (from, to) = ((before.station, before.until), (after.station, after.from));
             self.least(from, to, waits).ok_or_else(|| {
-                format!("nothing in both modes makes `{}` wait for `{}`", full_name(line, to), full_name(line, from))
+                let late = arrows_between(line, from.0, to.0, |arrow| arrow.from.0 == from.0 && arrow.lag > SUM_MAX);
+                let (from, to) = (full_name(line, from), full_name(line, to));
+                match late {
+                    Some(late) => format!(
+                        "an arrow makes `{to}` wait for an end of `{from}` that is too many cycles back: {late}; a lag \
+                         of {SUM_MAX} is the most that keeps the two apart"
+                    ),
+                    None => format!("nothing in both modes makes `{to}` wait for `{from}`"),
+                }
             })
         };
         let (there, back) = (lag(a, b)?, lag(b, a)?);
@@ -157,13 +165,49 @@ impl<'a> Lags<'a> {
         if sum <= SUM_MAX {
             return Ok(());
         }
-        Err(format!(
-            "`{}` and `{}` wait for each other's ends, but for those of too early a cycle ({sum} in all, {SUM_MAX} at \
-             most)",
-            full_name(line, (a.station, a.from)),
-            full_name(line, (b.station, b.from))
-        ))
+        Err(overlap(line, (a, back), (b, there)))
     }
+}
+
+/// How two states overlap that each begin only after an end of the other, each with the number of cycles back of that end.
+fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u32)) -> String {
+    let waits = |state: &StateSpan, lag: u32, other: &StateSpan| {
+        let cycle = match lag {
+            0 => "in the same cycle".to_owned(),
+            1 => "in the cycle before".to_owned(),
+            lag => format!("{lag} cycles before"),
+        };
+        let (begins, ends) = ((state.station, state.from), (other.station, other.until));
+        format!("`{}` waits for `{}` {cycle}", full_name(line, begins), full_name(line, ends))
+    };
+    let mut text =
+        format!("{}, and {}, so both can begin before either has ended", waits(a, back, b), waits(b, there, a));
+    for state in [a, b].into_iter().filter(|state| state.until < state.from) {
+        let station = line.station(state.station);
+        let [from, until] = [state.from, state.until].map(|op| &station.operations[op.index()].name);
+        text += &format!(
+            "; `{until}` comes before `{from}` in the cycle of {}, so the state lasts into the next cycle: its `from` and `until` \
+             may be swapped",
+            station.name
+        );
+    }
+    if let Some(arrows) = arrows_between(line, a.station, b.station, |_| true) {
+        text += &format!("; an arrow may be the wrong way round: {arrows}");
+    }
+    text
+}
+
+/// The arrows between two stations, as they are written; none where there is none of these.
+fn arrows_between(line: &Line, a: StationId, b: StationId, is_meant: impl Fn(&Arrow) -> bool) -> Option<String> {
+    let joins = |arrow: &&Arrow| [(a, b), (b, a)].contains(&(arrow.from.0, arrow.to.0));
+    let found = line.arrows.iter().filter(joins).filter(|arrow| is_meant(arrow));
+    let texts: Vec<String> = found
+        .map(|arrow| {
+            let lag = if arrow.lag == 0 { String::new() } else { format!(", lag = {}", arrow.lag) };
+            format!("from = \"{}\", to = \"{}\"{lag}", full_name(line, arrow.from), full_name(line, arrow.to))
+        })
+        .collect();
+    (!texts.is_empty()).then(|| texts.join("; "))
 }
 
 /// Whether the two states of a conflict exclude each other in forward motion, in every mode and across changes of mode.

@@ -38,7 +38,7 @@ pub(super) fn schedule_is_not_alone(draft: &DraftCell<'_>, report: &mut Report) 
 
 pub(super) fn patience_outlasts_activities(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(patience) = &draft.raw.dispatch.patience else { return };
-    let moves = draft.activities.iter().filter_map(|activity| activity.time);
+    let moves = draft.activities.iter().filter_map(|activity| Some(activity.time.as_ref()?.value));
     let on = draft.parts.iter().flat_map(|part| &part.raw.steps).flat_map(|step| &step.on);
     let works = on.filter_map(|on| Some(on.time.as_ref()?.value));
     if let Some(longest) = moves.chain(works).max().filter(|longest| *longest > patience.value) {

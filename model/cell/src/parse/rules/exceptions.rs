@@ -1,12 +1,20 @@
 //! Rules for the failure of an activity.
 
-use linewright_text::{Problem, Report, suggestion};
+use std::ops::RangeInclusive;
+
+use linewright_line::CODE_MAX;
+use linewright_text::{Problem, Report, nearest, suggestion};
 
 use crate::parse::draft::DraftException;
 use crate::{Strategy, Whereabouts};
 
 /// Names that may stand in `tell`.
 const NAMES: [&str; 7] = ["part", "type", "activity", "carrier", "from", "to", "slot"];
+
+/// Failures that have a word. Those of a task and of its station have a number.
+const CODES: [&str; 6] = ["time-out", "refused", "station-lost", "device-lost", "alarm", "*"];
+/// The codes of a station's own failures: a fault, an interruption and the like.
+const STATION_CODES: RangeInclusive<u16> = 1001..=1006;
 
 pub(super) fn answers_differ(exception: &DraftException<'_>, report: &mut Report) {
     let words: Vec<_> = exception.raw.answers.iter().filter_map(|answer| answer.word.as_ref()).collect();
@@ -71,6 +79,32 @@ pub(super) fn tells_what_is_known(exception: &DraftException<'_>, report: &mut R
         }
         rest = after;
     }
+}
+
+/// The code is one that an activity can fail with; a rule of any other would never be used.
+pub(super) fn code_can_occur(exception: &DraftException<'_>, report: &mut Report) {
+    let Some(code) = &exception.raw.code else { return };
+    let own = code.value.parse().is_ok_and(|number: u16| {
+        let can_occur = (1..=CODE_MAX).contains(&number) || STATION_CODES.contains(&number);
+        can_occur && number.to_string() == code.value
+    });
+    if own || CODES.contains(&code.value.as_str()) {
+        return;
+    }
+    let numbers = format!(
+        "a code of a task, \"1\" to \"{CODE_MAX}\", or of its station, \"{}\" to \"{}\"",
+        STATION_CODES.start(),
+        STATION_CODES.end()
+    );
+    let words = CODES.map(|word| format!("\"{word}\"")).join(", ");
+    let all = format!("permitted: {words}, {numbers}");
+    // By one letter everything is near `*`.
+    let words_of = || CODES.into_iter().filter(|word| word.len() > 1);
+    let hint = words_of().find(|word| *word == code.value.trim()).or_else(|| nearest(&code.value, words_of()));
+    report.add(
+        Problem::error(code.at.clone(), format!("no activity fails with the code `{}`", code.value))
+            .hint(hint.map_or_else(|| all.clone(), |near| format!("did you mean `{near}`? {all}"))),
+    );
 }
 
 /// The person needed to reset a station can answer as well.

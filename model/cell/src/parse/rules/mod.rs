@@ -63,6 +63,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
         exceptions::retries_are_allowed(exception, report);
         exceptions::tells_what_is_known(exception, report);
         exceptions::somebody_answers(exception, report);
+        exceptions::code_can_occur(exception, report);
         exceptions::whoever_resets_answers(exception, report);
     }
     let routes = ways::routes(draft)?;

@@ -1,8 +1,9 @@
 //! Orders to stations.
 
 use std::collections::HashMap;
+use std::time::Duration;
 
-use linewright_text::{Problem, Report, suggestion};
+use linewright_text::{Located, Problem, Report, suggestion};
 
 use crate::parse::draft::{DraftActivity, DraftCell};
 use crate::{ActivityKind, ParameterSource, Prototype};
@@ -50,10 +51,7 @@ pub(super) fn limits_are_known_and_exceed_times(
     activity: &DraftActivity<'_>,
     report: &mut Report,
 ) {
-    let times: Vec<_> = match activity.kind {
-        ActivityKind::Process => times_of_work(draft, activity).collect(),
-        ActivityKind::Transport | ActivityKind::Enter | ActivityKind::Leave => activity.time.into_iter().collect(),
-    };
+    let times: Vec<_> = times(draft, activity).map(|time| time.value).collect();
     for order in &activity.orders {
         match (&order.raw.limit, times.iter().max()) {
             (Some(limit), Some(time)) if limit.value <= *time => report.add(
@@ -70,14 +68,15 @@ pub(super) fn limits_are_known_and_exceed_times(
     }
 }
 
-/// The times of the steps that a process is for.
-fn times_of_work<'d>(
+/// The nominal times of an activity: of a process, those of the steps that it is for.
+pub(super) fn times<'d>(
     draft: &'d DraftCell<'_>,
     activity: &'d DraftActivity<'_>,
-) -> impl Iterator<Item = std::time::Duration> + 'd {
+) -> impl Iterator<Item = Located<Duration>> + 'd {
     let of = activity.uses.first().and_then(|part| part.value.of);
     let pairs = draft.steps().flat_map(|step| step.on.iter().zip(&step.raw.on));
-    pairs.filter(move |(on, _)| **on == of && of.is_some()).filter_map(|(_, raw)| Some(raw.time.as_ref()?.value))
+    let of_work = pairs.filter(move |(on, _)| activity.kind == ActivityKind::Process && **on == of && of.is_some());
+    of_work.filter_map(|(_, raw)| raw.time.clone()).chain(activity.time.clone())
 }
 
 pub(super) fn parameters_are_there(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {

@@ -1,9 +1,12 @@
 //! Orders to stations, beside the line that describes them: is there such a task, and are its numbers given and small
 //! enough for the outputs that carry them? Without a line nothing is checked here.
 
-use linewright_line::{Parameter, Task};
-use linewright_text::{Problem, Report, TextRange, suggestion};
+use std::time::Duration;
 
+use linewright_line::{Parameter, Task};
+use linewright_text::{Located, Problem, Report, TextRange, suggestion};
+
+use super::orders::times;
 use crate::ParameterSource;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 
@@ -12,6 +15,7 @@ pub(super) fn orders_fit_their_tasks(draft: &DraftCell<'_>, report: &mut Report)
     for activity in &draft.activities {
         for order in &activity.orders {
             if let Some(task) = task_of(draft, order, report) {
+                times_fit_the_motions(draft, activity, order, task, report);
                 parameters_are_the_tasks(order, task, report);
                 numbers_fit(draft, activity, order, task, report);
             }
@@ -41,6 +45,53 @@ fn task_of<'d>(draft: &DraftCell<'d>, order: &DraftOrder<'_>, report: &mut Repor
         );
     }
     found
+}
+
+/// The limit of an order, `max_s` or a multiple of the nominal time, is longer than the motions of its task: otherwise every order
+/// fails. A task fails itself when its own limit is over.
+fn times_fit_the_motions(
+    draft: &DraftCell<'_>,
+    activity: &DraftActivity<'_>,
+    order: &DraftOrder<'_>,
+    task: &Task,
+    report: &mut Report,
+) {
+    let Some(takes) = motions_take(draft, order, task) else { return };
+    let safety = draft.raw.cell.as_ref().map_or(1.0, |cell| cell.safety);
+    let limits: Vec<(Located<Duration>, &str, f64)> = match &order.raw.limit {
+        // One that is not even longer than the nominal time is an error already.
+        Some(limit) if times(draft, activity).any(|time| limit.value <= time.value) => Vec::new(),
+        Some(limit) => vec![(limit.clone(), "max_s", 1.0)],
+        None => times(draft, activity).map(|time| (time, "time_s", safety)).collect(),
+    };
+    let (name, motions) = (&task.name, takes.as_secs_f64());
+    for (limit, key, factor) in limits.into_iter().filter(|(limit, _, factor)| limit.value.mul_f64(*factor) <= takes) {
+        let seconds = limit.value.as_secs_f64();
+        let message = format!("`{key}` is {seconds} s, but the motions of task `{name}` take {motions} s");
+        let hint = match key {
+            "max_s" => "every order would fail; twice as long as the motions is usual".to_owned(),
+            _ => format!(
+                "an order may take {factor} times this (`safety`), and every one would fail: at least {motions} is usual"
+            ),
+        };
+        report.add(Problem::warning(limit.at, message).label("too short").hint(hint));
+    }
+    for time in times(draft, activity).filter(|time| time.value > task.limit) {
+        let (seconds, limit) = (time.value.as_secs_f64(), task.limit.as_secs_f64());
+        report.add(
+            Problem::warning(time.at, format!("`time_s` is {seconds} s, but task `{name}` has `limit_s = {limit}`"))
+                .label("too long")
+                .hint("the task fails when its `limit_s` is over: a longer one in the line's description, or a shorter time"),
+        );
+    }
+}
+
+/// What the motions of an order's task take, one after the other.
+fn motions_take(draft: &DraftCell<'_>, order: &DraftOrder<'_>, task: &Task) -> Option<Duration> {
+    let line = draft.line?;
+    let station = line.station(line.station_named(&order.raw.station.as_ref()?.value)?);
+    let steps = station.steps.get(task.steps.clone())?;
+    Some(steps.iter().flatten().map(|op| station.operations[op.index()].duration).sum())
 }
 
 fn parameters_are_the_tasks(order: &DraftOrder<'_>, task: &Task, report: &mut Report) {

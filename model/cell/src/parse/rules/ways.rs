@@ -97,6 +97,7 @@ pub(super) fn plans_can_be_done(
     let done = offsets.stage(at, of.stages.len() - 1);
     if !routes.is_reached(PartSpot::AFTER, done) {
         let hint = "a synchronisation must take it from there, and at last one to `outside.out`";
+        let hint = never_unloaded(draft, of).map_or_else(|| hint.to_owned(), |never| format!("{never}; {hint}"));
         let message = format!("a finished part `{}` never leaves the cell", of.name);
         report.add(Problem::error(of.place(), message).label(stands(draft, done, routes)).hint(hint));
         return;
@@ -125,6 +126,19 @@ pub(super) fn plans_can_be_done(
             }
         }
     }
+}
+
+/// The resources of the last steps of a plan from which no synchronisation takes a part, if there are any.
+fn never_unloaded(draft: &DraftCell<'_>, of: &DraftPart<'_>) -> Option<String> {
+    let takes = |id| {
+        let sources = draft.activities.iter().flat_map(|activity| activity.used(Role::Source));
+        sources.into_iter().any(|source| source.value.of == Some(id))
+    };
+    let last = of.steps.iter().filter(|step| step.to + 1 == of.stages.len()).flat_map(|step| step.on.iter().flatten());
+    let mut names: Vec<String> =
+        last.filter(|&&id| !takes(id)).map(|&id| format!("`{}.unload`", draft.resource(id).name)).collect();
+    names.dedup();
+    (!names.is_empty()).then(|| format!("no synchronisation has {}", names.join(" or ")))
 }
 
 fn never_comes(

@@ -216,7 +216,8 @@ fn lag(lag: Option<Located<i64>>, report: &mut Report) -> u32 {
                 Problem::error(at, format!("a lag of {cycles} cycles"))
                     .hint(format!("a lag is 0 (same cycle), 1 (the cycle before) or, rarely, up to {LAG_MAX}")),
             );
-            0
+            // With this no circle of arrows is a deadlock, which would follow from the slip.
+            1
         }
     }
 }

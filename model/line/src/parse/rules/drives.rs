@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use linewright_text::{Located, Problem, Report};
+use linewright_text::{Located, Problem, Report, TextRange};
 
 use super::operations::same_place;
 use crate::drive::trapezoid_time;
@@ -293,18 +293,26 @@ fn watchdogs_leave_time(drive: &DraftDrive, raw: &RawDrive, station: &DraftStati
         let Some(motion) = &operation.motion else { continue };
         let recovery = operation.raw.recovery.as_ref().and_then(|recovery| recovery.watchdog.as_ref());
         let watchdogs = [operation.raw.watchdog.as_ref(), recovery.or(operation.raw.watchdog.as_ref())];
-        for ((signals, _), watchdog) in operation.motions().zip(watchdogs) {
+        let mut reported: Vec<(TextRange, TextRange)> = Vec::new();
+        for (nth, ((signals, _), watchdog)) in operation.motions().zip(watchdogs).enumerate() {
             let (Some(actuator), Some(watchdog)) = (&signals.actuator, watchdog) else { continue };
             let Some(target) = target_of(actuator.value) else { continue };
             let velocity = target.and_then(|target| target.velocity.as_ref()).unwrap_or(velocity);
             let way = operation.by().map_or(motion.value.to - motion.value.from, |by| by.value);
             let takes = trapezoid_time(way, velocity.value, acceleration.value);
-            if takes >= watchdog.value.as_secs_f64() {
+            // Both motions at one velocity and with one watchdog are one mistake.
+            let places = (watchdog.at.clone(), velocity.at.clone());
+            if takes >= watchdog.value.as_secs_f64() && !reported.contains(&places) {
+                reported.push(places);
+                let motion = if nth == 0 { "" } else { "the recovery motion of " };
                 let limit = watchdog.value.as_secs_f64();
                 report.add(
                     Problem::error(
                         watchdog.at.clone(),
-                        format!("the watchdog of `{}` is {limit} s, but the drive takes {takes:.3} s", operation.name),
+                        format!(
+                            "the watchdog of {motion}`{}` is {limit} s, but the drive takes {takes:.3} s",
+                            operation.name
+                        ),
                     )
                     .label("too short")
                     .also(&velocity.at, "at this velocity")

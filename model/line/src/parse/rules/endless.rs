@@ -91,7 +91,7 @@ fn passes_no_place_unseen(index: &DraftOperation<'_>, stale: Duration, report: &
         report.add(
             Problem::error(
                 watchdog.at.clone(),
-                format!("the watchdog of index `{name}` is {limit} s, but it takes {takes} s"),
+                format!("the watchdog of index `{name}` is {limit} s, twice its {takes} s or longer"),
             )
             .also(&duration.at, "takes this long")
             .hint("it must be less than twice `duration_s`: with a switch that is stuck the axis would come to the place after the next"),
