@@ -283,7 +283,7 @@ fn operations_side_by_side_wait_for_each_other_s_arrows() {
 fn what_only_a_neighbour_waits_for_can_be_got_round_by_taking_it_back() {
     let turns_alone = cell(&[("feeder: push", "lifter: grip", 0), ("lifter: turn", "feeder: push", 1)]);
     let gap = separated(&turns_alone, &turns_alone.conflicts[0]).unwrap_err();
-    assert!(matches!(gap, Gap::TakenBack(_)) && gap.to_string().contains("`lifter: turn` wait for"), "{gap}");
+    assert!(matches!(gap, Gap::TakenBack(_)) && gap.to_string().contains("`lifter: turn` waits for"), "{gap}");
     assert!(!met(&explored(&undisturbed(&turns_alone), 100_000)), "forward motion keeps them apart");
     assert!(met(&explored(&auto_and_manual(&turns_alone), 100_000)), "taking back does not");
 
