@@ -8,6 +8,7 @@
 mod barriers;
 mod cell;
 mod explored;
+mod larger;
 mod report;
 mod show;
 

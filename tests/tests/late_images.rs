@@ -39,7 +39,8 @@ impl LateImagesBench {
         let controller = restored.with_rules(Rules::COUNTS);
         let mut bench = LateImagesBench { controller, out: StationOutbox::default(), now: Tick::from_millis(1000) };
         bench.step(StationInput::Order(manual()));
-        bench.step(image(0, 0));
+        let number = bench.out.number;
+        bench.step(image(0, number));
         bench
     }
 

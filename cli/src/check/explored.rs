@@ -12,6 +12,7 @@ use linewright_proof::parts::{SubLine, cyclic, parts, smallest_parts, task_drive
 use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
+use super::larger::{self, PartFound};
 use crate::parts::{PartList, at_least_1};
 
 /// What is explored, and how freely.
@@ -244,10 +245,14 @@ impl ExploreOptions {
         each: fn(&Self, &Line, &str) -> Result<Vec<Exploration>, LineNotExplorable>,
     ) -> Result<Vec<Exploration>, LineNotExplorable> {
         let (mut found, mut seen): (_, Vec<(SubLine, bool)>) = (Vec::new(), Vec::new());
+        let mut of_parts: Vec<PartFound> = Vec::new();
         for part in parts {
+            let begins = found.len();
+            let stations = part.stations.clone();
             let like = seen.iter().find(|(other, _)| part.is_like(other));
             if let Some((other, holds)) = like.map(|(other, holds)| (other.names(), *holds)) {
                 found.push(Exploration::like(&part, what, &other, holds));
+                of_parts.push(PartFound { stations, explorations: begins..found.len() });
                 continue;
             }
             let mut explored = match each(self, &part.line, &format!("{what}: {}", part.names())) {
@@ -265,6 +270,11 @@ impl ExploreOptions {
             }
             seen.push((part, explored.iter().all(Exploration::holds)));
             found.extend(explored);
+            of_parts.push(PartFound { stations, explorations: begins..found.len() });
+        }
+        // Arrows join the parts: what is explored alone has no larger one.
+        if what == PART {
+            larger::take_over(&mut found, &of_parts);
         }
         Ok(found)
     }

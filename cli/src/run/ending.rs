@@ -17,6 +17,7 @@ impl Session {
         let short = short || parts.is_some_and(|(made, wanted)| made < wanted);
         let conflicts = self.observer.conflicts();
         let ok = outcome.is_ok() && !short && conflicts.is_empty() && (!self.ends() || faults == 0);
+        let of_faults = if faults == 1 { "1 fault".to_owned() } else { format!("{faults} faults") };
         let error = match &outcome {
             Err(error) => Some(error.to_string()),
             Ok(()) if let Some((made, wanted)) = parts.filter(|_| short) => {
@@ -24,8 +25,7 @@ impl Session {
             }
             Ok(()) if short => Some(format!("{} of {} cycles ended", self.tally.cycles(), args.cycles.unwrap_or(0))),
             Ok(()) if self.ends() && faults > 0 => {
-                let number = if faults == 1 { "1 fault".to_owned() } else { format!("{faults} faults") };
-                Some(format!("{number} on the way: {}", self.tally.fault_texts(self.states()).join("; ")))
+                Some(format!("{of_faults} on the way: {}", self.tally.fault_texts(self.states()).join("; ")))
             }
             Ok(()) => None,
         };
@@ -37,7 +37,7 @@ impl Session {
         } else {
             let done = done(parts, self.cell.as_ref().map(CellRun::left), report.cycles);
             crate::out::say!(
-                "{done}, {faults} faults, {} conflicts seen in {} CAN frames",
+                "{done}, {of_faults}, {} conflicts seen in {} CAN frames",
                 conflicts.len(),
                 report.frames_seen
             );

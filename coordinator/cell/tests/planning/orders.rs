@@ -62,7 +62,7 @@ fn all_that_is_wrong_with_a_batch_is_said_at_once() {
     let expected = [
         "order `other`: key already used by `first` with other content; use a new key for each request",
         "order name `a\nb` not valid: 1 to 64 characters, one line",
-        "order `a\nb`: no product `C`; did you mean `A`?",
+        "order `a\nb`: no product `C`; did you mean `A` or `B`?",
         "order `a\nb`: quantity 0, allowed 1 to 1000000",
         "order `a\nb`: due 1 s before its release",
         "order `a\nb`: no predecessor `frist`; did you mean `first`?",

@@ -1,0 +1,104 @@
+//! What a part does not decide, decided by a larger one: a part gives its stations more freedom than the line does, and a part with more
+//! stations gives them less. A state that is never reached in the larger part is never reached in the line, whatever the smaller one finds.
+
+use std::ops::Range;
+
+use linewright_line::StationId;
+
+use super::explored::{Exploration, LineFinding};
+
+/// The explorations of one part, among those of all parts.
+pub struct PartFound {
+    pub stations: Vec<StationId>,
+    pub explorations: Range<usize>,
+}
+
+/// Takes over what holds in a larger part; the part with its stations is named.
+pub fn take_over(found: &mut [Exploration], parts: &[PartFound]) {
+    let open = |finding: &&LineFinding| finding.holds_by_parts && matches!(finding.verdict, "fails" | "undecided");
+    for part in parts {
+        let larger: Vec<&PartFound> = parts.iter().filter(|other| has_more(other, part)).collect();
+        for index in part.explorations.clone() {
+            let names: Vec<String> =
+                found[index].properties.iter().filter(open).map(|finding| finding.name.clone()).collect();
+            for name in names {
+                let of = larger.iter().find(|other| holds_in(&found[other.explorations.clone()], &name));
+                let Some(scope) = of.map(|of| found[of.explorations.start].scope.clone()) else { continue };
+                let scope = scope.split(": ").nth(1).unwrap_or_default().to_owned();
+                for finding in found[index].properties.iter_mut().filter(|finding| finding.name == name) {
+                    finding.verdict = "holds";
+                    finding.reason = format!("in the larger part of {scope}");
+                    finding.counterexample = None;
+                }
+            }
+        }
+    }
+}
+
+fn has_more(other: &PartFound, part: &PartFound) -> bool {
+    other.stations.len() > part.stations.len() && part.stations.iter().all(|id| other.stations.contains(id))
+}
+
+/// Whether a property is among these, and holds wherever it is. Conflicts of one text are not told apart: then all have to hold.
+fn holds_in(explorations: &[Exploration], name: &str) -> bool {
+    let mut of_name = explorations.iter().flat_map(|one| &one.properties).filter(|of| of.name == name).peekable();
+    of_name.peek().is_some() && of_name.all(|of| of.verdict == "holds")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn exploration(scope: &str, verdicts: &[(&str, &'static str)]) -> Exploration {
+        let finding = |&(name, verdict): &(&str, &'static str)| LineFinding {
+            name: name.to_owned(),
+            verdict,
+            reason: String::new(),
+            counterexample: None,
+            holds_by_parts: name.starts_with("never"),
+        };
+        Exploration {
+            scope: scope.to_owned(),
+            states: 1,
+            kept: 1,
+            arcs: 0,
+            bytes: 0,
+            exhausted: true,
+            help: None,
+            left_out: Vec::new(),
+            properties: verdicts.iter().map(finding).collect(),
+        }
+    }
+
+    fn part(stations: &[u16], explorations: Range<usize>) -> PartFound {
+        PartFound { stations: stations.iter().map(|&id| StationId(id)).collect(), explorations }
+    }
+
+    /// The larger one may be explored first or last, with restarts or without.
+    #[test]
+    fn what_never_is_in_a_larger_part_never_is_and_nothing_else_is_taken_over() {
+        let whole = || exploration("part: a, b, c: auto", &[("never: a and c meet", "holds"), ("home", "holds")]);
+        let small = || {
+            let found = [("never: a and c meet", "fails"), ("never: others", "fails"), ("home", "fails")];
+            exploration("part: a, c: auto", &found)
+        };
+        for first in [true, false] {
+            let mut found = if first { vec![whole(), small()] } else { vec![small(), whole()] };
+            let at = usize::from(first);
+            let parts = [part(&[0, 1, 2], 1 - at..2 - at), part(&[0, 2], at..at + 1)];
+            take_over(&mut found, &parts);
+            let verdicts: Vec<_> = found[at].properties.iter().map(|of| of.verdict).collect();
+            assert_eq!(verdicts, ["holds", "fails", "fails"]);
+            assert_eq!(found[at].properties[0].reason, "in the larger part of a, b, c");
+        }
+        // Restarted it does not hold there.
+        let restarted = exploration("part: a, b, c, restarted", &[("never: a and c meet", "fails")]);
+        let mut found = vec![whole(), restarted, small()];
+        take_over(&mut found, &[part(&[0, 1, 2], 0..2), part(&[0, 2], 2..3)]);
+        assert_eq!(found[2].properties[0].verdict, "fails");
+        // Another one with as many stations is no larger one.
+        let mut found = vec![whole(), small()];
+        take_over(&mut found, &[part(&[0, 1], 0..1), part(&[0, 2], 1..2)]);
+        assert_eq!(found[1].properties[0].verdict, "fails");
+    }
+}
