@@ -21,6 +21,7 @@ pub fn take_over(found: &mut [Exploration], parts: &[PartFound]) {
         for index in part.explorations.clone() {
             let names: Vec<String> =
                 found[index].properties.iter().filter(open).map(|finding| finding.name.clone()).collect();
+            let mut is_settled = false;
             for name in names {
                 let of = larger.iter().find(|other| holds_in(&found[other.explorations.clone()], &name));
                 let Some(scope) = of.map(|of| found[of.explorations.start].scope.clone()) else { continue };
@@ -30,6 +31,12 @@ pub fn take_over(found: &mut [Exploration], parts: &[PartFound]) {
                     finding.reason = format!("in the larger part of {scope}");
                     finding.counterexample = None;
                 }
+                is_settled = true;
+            }
+            // Its search ended with what the larger part excludes; what it had not seen by then is nothing that parts decide.
+            let properties = &mut found[index].properties;
+            if is_settled && !properties.iter().any(|finding| finding.verdict == "fails") {
+                properties.retain(|finding| finding.verdict != "undecided");
             }
         }
     }
@@ -91,6 +98,11 @@ mod tests {
             assert_eq!(verdicts, ["holds", "fails", "fails"]);
             assert_eq!(found[at].properties[0].reason, "in the larger part of a, b, c");
         }
+        // What its search had not seen when it ended is left out.
+        let ended = exploration("part: a, c: auto", &[("never: a and c meet", "fails"), ("home", "undecided")]);
+        let mut found = vec![whole(), ended];
+        take_over(&mut found, &[part(&[0, 1, 2], 0..1), part(&[0, 2], 1..2)]);
+        assert_eq!((found[1].properties.len(), found[1].holds()), (1, true));
         // Restarted it does not hold there.
         let restarted = exploration("part: a, b, c, restarted", &[("never: a and c meet", "fails")]);
         let mut found = vec![whole(), restarted, small()];
