@@ -39,7 +39,7 @@ pub use stage::NotPlayable;
 use super::{CellPath, CellProperty, Verdict};
 use crate::explore::LimitReached;
 
-/// States of one exploration, unless others are asked for: some 10 s.
+/// States of one exploration, unless others are asked for.
 pub const STATES: usize = 1_000_000;
 
 /// Subject and extent of an exploration.
