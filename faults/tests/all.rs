@@ -27,7 +27,8 @@ fn whatever_happens_around_a_line_nothing_collides_and_it_comes_back() {
     }
 }
 
-/// Each at the first seed that finds it; without the broken rule nothing is wrong there, which for most is among the seeds above.
+/// Each broken rule is found at the seed stated for it. With the rule in force that seed has no finding: most of these seeds are among
+/// those played by the tests above.
 #[test]
 fn every_rule_that_is_broken_is_found() {
     let found = || MUTANTS.iter().filter_map(|rule| Some((rule.name, rule.mutant, rule.seed?)));

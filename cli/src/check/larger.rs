@@ -46,7 +46,8 @@ fn has_more(other: &PartFound, part: &PartFound) -> bool {
     other.stations.len() > part.stations.len() && part.stations.iter().all(|id| other.stations.contains(id))
 }
 
-/// Whether a property is among these, and holds wherever it is. Conflicts of one text are not told apart: then all have to hold.
+/// Whether these explorations have a property of this name, and it holds in each that has it. Conflicts that are described by the same
+/// text have the same name; then all of them have to hold.
 fn holds_in(explorations: &[Exploration], name: &str) -> bool {
     let mut of_name = explorations.iter().flat_map(|one| &one.properties).filter(|of| of.name == name).peekable();
     of_name.peek().is_some() && of_name.all(|of| of.verdict == "holds")

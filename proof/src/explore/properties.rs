@@ -38,7 +38,7 @@ pub(crate) enum Violation {
 }
 
 impl System {
-    /// Whether a state is wrong in this way by itself, without the others that it may stand for.
+    /// Whether this very state violates the property. A kept state also represents states that are not kept; those are not judged here.
     pub fn shows(&self, state: &ComposedState, wrong: Violation) -> bool {
         let facts = |station: usize| &self.stations[station].facts[state.situations[station] as usize];
         let all = (0..self.stations.len()).map(facts);
