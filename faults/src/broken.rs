@@ -174,14 +174,10 @@ fn order(mutant: Mutant, order: &mut ModeOrder, (is_foreign, own): (bool, u64)) 
             order.mode = ControlMode::StandBy;
         }
         Mutant::EnabledAlways => order.enabled = true,
-        Mutant::FoundingOfAnotherLife => {
-            if let Some(found) = &mut order.found {
-                found.boot_id = own;
-            }
-        }
+        Mutant::OrderOfAnotherLife => order.station_life = own,
         Mutant::GenerationsAlike => {
             if let Some(found) = &mut order.found {
-                found.generation = 7;
+                *found = 7;
             }
         }
         Mutant::FoundingLost => order.found = None,

@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Owner, StationId, Tick};
 use linewright_plant::Plant;
-use linewright_station_logic::{Founding, ModeOrder, StationReport};
+use linewright_station_logic::{ModeOrder, StationReport};
 use linewright_station_shell::EPOCH_JUMP_MAX;
 
 use crate::observer::Observer;
@@ -78,8 +78,7 @@ impl Observer {
     }
 
     /// A coordinator founds a generation, and names the life of the station that it means.
-    pub(crate) fn founds(&mut self, at: usize, founding: Founding) {
-        let named = (founding.generation, founding.boot_id);
+    pub(crate) fn founds(&mut self, at: usize, named: (u64, u64)) {
         let founded = &mut self.stations[at].founded;
         if !founded.contains(&named) {
             founded.push(named);

@@ -300,8 +300,8 @@ impl World {
         for at in 0..self.stations.len() {
             let Some(shell) = &self.coordinators[which].shell else { return };
             let order = shell.order_for(StationId::at(at));
-            if let Some(founding) = order.found {
-                self.observer.founds(at, founding);
+            if let Some(generation) = order.found {
+                self.observer.founds(at, (generation, order.station_life));
             }
             let message = Message::Order { sequence, order };
             if which == 0 {

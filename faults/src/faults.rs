@@ -222,7 +222,8 @@ impl World {
         epoch: ForgedEpoch,
         (is_followed, is_long): (bool, bool),
     ) {
-        let Some(controller) = self.stations[station].shell.as_ref().map(|shell| shell.controller()) else { return };
+        let Some(shell) = &self.stations[station].shell else { return };
+        let (controller, station_life) = (shell.controller(), shell.boot_id());
         let (followed, newest) = (controller.followed(), controller.mode_epoch());
         // A stranger that takes the very life, epoch and number of the coordinator cannot be told from it.
         let epoch = match epoch {
@@ -237,7 +238,7 @@ impl World {
         }
         let boot_id = if is_followed { followed } else { 0xBAD };
         let lease = if is_long { ModeOrder::FOR_GOOD } else { self.line.timing.lease };
-        let order = ModeOrder::of(boot_id, epoch, mode, lease);
+        let order = ModeOrder { station_life, ..ModeOrder::of(boot_id, epoch, mode, lease) };
         if is_followed {
             let timing = self.line.timing;
             self.observer.deafened(station, self.now + timing.stale + 2 * timing.refresh);

@@ -87,7 +87,7 @@ mutants! {
     ResetNotNeeded, Some(6), "manual ends an emergency stop that was not reset";
     // What stations take from orders.
     EnabledAlways, Some(3), "a mode is acted on before every station has acknowledged it";
-    FoundingOfAnotherLife, Some(113), "a founding order counts for whatever life of a station it reaches";
+    OrderOfAnotherLife, Some(113), "an order counts for whatever life of a station it reaches";
     GenerationsAlike, Some(0), "every generation has the same number";
     EpochsUnread, Some(0), "a station acknowledges no new epoch";
     FoundingLost, Some(0), "founding orders are not taken";

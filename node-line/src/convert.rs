@@ -9,8 +9,8 @@ use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, Line, OpId, StationId};
 use linewright_msgs::{Answer as AnswerMessage, ModeOrder, StationEvent, StationState};
 use linewright_station_logic::{
-    Controller, Founding, HappeningKind, ModeOrder as Order, StationHappening, StationReport, StopCause,
-    WithdrawalAnswer, WithdrawalRequest,
+    Controller, HappeningKind, ModeOrder as Order, StationHappening, StationReport, StopCause, WithdrawalAnswer,
+    WithdrawalRequest,
 };
 use thiserror::Error;
 
@@ -259,7 +259,6 @@ pub fn kind_of(event: &StationHappening) -> (u8, Option<OpId>) {
 /// # Errors
 /// When its mode is none.
 pub fn order_from_message(message: &ModeOrder, (own, name): (StationId, &str)) -> Result<Order, ConvertError> {
-    let life = message.found_lives.get(own.index()).copied().filter(|_| message.found_generation != 0);
     let named = |all: &[String]| all.iter().any(|of| of == name);
     let (is_stopped, is_led, stands_by) =
         (named(&message.stopped), named(&message.manual), named(&message.standing_by));
@@ -281,7 +280,8 @@ pub fn order_from_message(message: &ModeOrder, (own, name): (StationId, &str)) -
         buttons: message.buttons,
         resume: message.resume,
         lease: Duration::from_millis(message.lease_ms.into()),
-        found: life.map(|boot_id| Founding { generation: message.found_generation, boot_id }),
+        found: (message.found_generation != 0).then_some(message.found_generation),
+        station_life: message.lives.get(own.index()).copied().unwrap_or(0),
         single,
     })
 }

@@ -4,7 +4,7 @@ use linewright_coordinator_logic::{Coordinator, ModeCommand, ModeInput, ModeOutb
 use linewright_coordinator_shell::heard;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, Owner, StationId};
-use linewright_station_logic::{Founding, ModeOrder, StationInput};
+use linewright_station_logic::{ModeOrder, StationInput};
 
 use crate::situation::LineSituation;
 use crate::units::{NOW, PlayedLine, PlayedStations, whole_image};
@@ -125,7 +125,6 @@ impl Desk {
         let grant = self.coordinator.order();
         let mut any = false;
         for at in 0..self.units.len() {
-            let found = self.coordinator.founding(StationId::at(at));
             let order = ModeOrder {
                 boot_id: LIFE,
                 epoch: grant.epoch,
@@ -136,7 +135,8 @@ impl Desk {
                 buttons: 0,
                 resume: false,
                 lease: ModeOrder::FOR_GOOD,
-                found: found.map(|(generation, boot_id)| Founding { generation, boot_id }),
+                station_life: 0,
+                found: self.coordinator.founding(),
                 single: false,
             };
             if self.sent[at] != Some(order) {

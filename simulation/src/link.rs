@@ -119,6 +119,9 @@ pub(crate) struct Link {
     pub(crate) is_cut: bool,
     /// The reader is woken by repetitions too.
     pub(crate) wakes_always: bool,
+    /// Until then every message wakes the reader: which is the first of a new life of the writer that it takes depends on when the
+    /// one before was received last.
+    new_life_until: Tick,
     /// Arrival of the first message that wakes the reader.
     wakes: Tick,
 }
@@ -149,6 +152,7 @@ impl Link {
             heard: None,
             is_cut: false,
             wakes_always: false,
+            new_life_until: Tick::ZERO,
             wakes: Tick::NEVER,
         }
     }
@@ -198,7 +202,8 @@ impl Link {
         if !is_known {
             self.said = Some(said.clone());
         }
-        self.push(LinkMessage { arrives, said, wakes: !is_known || arrives >= before + self.term });
+        let wakes = !is_known || arrives >= before + self.term || arrives < self.new_life_until;
+        self.push(LinkMessage { arrives, said, wakes });
     }
 
     /// Sends a whole message, number `number` of its writer.
@@ -347,6 +352,7 @@ impl Link {
     /// The writer has started anew, without its predecessor's messages.
     pub(crate) fn forget_said(&mut self) {
         self.said = None;
+        self.new_life_until = self.last_arrival + 2 * self.term;
     }
 
     /// The reader has started anew: a repetition counts only after a first message.

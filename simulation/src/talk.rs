@@ -91,10 +91,8 @@ impl LineSim {
         for index in 0..self.out_of[node].len() {
             let number = self.out_of[node][index];
             if self.is_up(self.links[number].to) {
-                let order = ModeOrder {
-                    found: self.coordinator.shell.order_for(StationId::at(self.links[number].to)).found,
-                    ..order
-                };
+                let to = self.coordinator.shell.order_for(StationId::at(self.links[number].to));
+                let order = ModeOrder { station_life: to.station_life, ..order };
                 self.links[number].say_order(now, &network, order, version);
                 self.timers.set(number, self.links[number].wakes());
             }

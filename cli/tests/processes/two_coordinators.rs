@@ -31,8 +31,8 @@ struct Other {
 }
 
 impl Other {
-    /// It orders auto, as if every station had acknowledged that.
-    fn start(rig: &Rig) -> Self {
+    /// It orders auto, as if every station had acknowledged that, of these boot ids.
+    fn start(rig: &Rig, lives: Vec<u64>) -> Self {
         let participant = Participant::open(&RosArgs { domain_id: rig.domain(), ..RosArgs::default() }).expect("joins");
         let mut node = participant.node("/transfer_line", "other").expect("a node");
         let orders = node.publisher("mode", qos::command()).expect("a topic");
@@ -46,7 +46,7 @@ impl Other {
                 }
                 let order =
                     ModeOrder { boot_id: OTHER, sequence, epoch: 1, mode, lease_ms: 500, ..ModeOrder::default() };
-                orders.send(ModeOrder { enabled: true, ..order });
+                orders.send(ModeOrder { enabled: true, lives: lives.clone(), ..order });
                 std::thread::sleep(Duration::from_millis(50));
             }
         });
@@ -82,7 +82,7 @@ fn a_second_coordinator_ends_and_one_that_does_not_stops_the_line() {
     operator.cycles(1);
 
     rig.eye.wait("something moves", |seen| !seen.energised().is_empty());
-    let other = Other::start(&rig);
+    let other = Other::start(&rig, operator.heard().boot_ids().split_off(1));
     nothing_moves(&rig, &operator);
     other.orders(StationState::MODE_ESTOP);
     operator.wait("e-stop", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));

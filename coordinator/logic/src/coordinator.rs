@@ -244,6 +244,11 @@ impl Coordinator {
         }
     }
 
+    /// Boot id in the last state of a station; 0 if none was received. An order is for it alone.
+    pub fn life_of(&self, station: StationId) -> u64 {
+        self.stations.get(station.index()).map_or(0, |station| station.heard.boot_id)
+    }
+
     fn hear_station(&mut self, id: StationId, heard: StationView) {
         let (now, knew_rounds) = (self.now, self.knows_rounds());
         let Some(station) = self.stations.get_mut(id.index()) else { return };

@@ -244,8 +244,7 @@ fn from_home_manual_is_refused_for_what_would_refuse_it_after_start() {
 fn from_home_manual_comes_once_the_generation_is_founded() {
     let found = |bench: &mut CoordinatorBench| {
         for at in 0..3 {
-            let founding = bench.coordinator.founding(linewright_line::StationId::at(at));
-            bench.heard[at].generation = founding.map_or(bench.heard[at].generation, |(generation, _)| generation);
+            bench.heard[at].generation = bench.coordinator.founding().unwrap_or(bench.heard[at].generation);
             bench.say(at);
         }
     };

@@ -7,7 +7,6 @@ use linewright_line::{StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text};
 use linewright_node_line::mode_to_code;
 use linewright_node_shell::stamp;
-use linewright_station_logic::Founding;
 
 use crate::node::CoordinatorLoop;
 use crate::topics::standing_message;
@@ -23,7 +22,6 @@ impl CoordinatorLoop {
             let all = self.line.station_ids().filter(|&id| is_it(id));
             all.map(|id| self.line.station(id).name.clone()).collect()
         };
-        let found: Vec<Founding> = self.line.station_ids().filter_map(|id| self.shell.order_for(id).found).collect();
         self.says.order.send(ModeOrder {
             header: stamp(),
             boot_id: order.boot_id,
@@ -37,8 +35,8 @@ impl CoordinatorLoop {
             buttons: order.buttons,
             resume: order.resume,
             lease_ms: u32::try_from(order.lease.as_millis()).unwrap_or(u32::MAX),
-            found_generation: found.first().map_or(0, |founding| founding.generation),
-            found_lives: found.iter().map(|founding| founding.boot_id).collect(),
+            lives: self.line.station_ids().map(|id| coordinator.life_of(id)).collect(),
+            found_generation: order.found.unwrap_or(0),
             stopped: names(&|id| self.shell.stopped().contains(&id)),
             manual: names(&|id| coordinator.is_led(id)),
             standing_by: names(&|id| coordinator.is_single(id) && !coordinator.is_led(id)),

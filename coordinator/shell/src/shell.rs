@@ -15,7 +15,7 @@ use std::time::Duration;
 use linewright_coordinator_logic::{Coordinator, Gateway, ManualPermit, ModeInput, ModeOutbox};
 use linewright_line::net::ControlMode;
 use linewright_line::{DeviceBus, Line, StationId, Tick};
-use linewright_station_logic::{Founding, ModeOrder};
+use linewright_station_logic::ModeOrder;
 use linewright_station_shell::{EPOCH_JUMP_MAX, NewestBySequence, RivalLife, Rivals, ShellRules};
 
 use crate::effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord};
@@ -198,16 +198,14 @@ impl CoordinatorShell {
             buttons: order.buttons,
             resume: order.resume,
             lease: order.lease,
-            found: None,
+            found: self.coordinator.founding(),
+            station_life: 0,
             single: false,
         }
     }
 
-    /// The order as it goes to one station: while a generation is founded it names that station's life. A station may be in
-    /// emergency stop or in manual by itself; in manual it stands by until its panel is to act.
+    /// The order as it goes to one station, with the life it is for. A station may be in emergency stop or in manual by itself; in manual it stands by until its panel is to act.
     pub fn order_for(&self, station: StationId) -> ModeOrder {
-        let found = self.coordinator.founding(station);
-        let found = found.map(|(generation, boot_id)| Founding { generation, boot_id });
         let order = self.order();
         let single = self.coordinator.is_single(station);
         let (mode, manual_all) = match () {
@@ -216,7 +214,7 @@ impl CoordinatorShell {
             () if single => (ControlMode::StandBy, false),
             () => (order.mode, order.manual_all),
         };
-        ModeOrder { found, mode, manual_all, single, ..order }
+        ModeOrder { mode, manual_all, single, station_life: self.coordinator.life_of(station), ..order }
     }
 
     /// Takes what has arrived. Follow with [`CoordinatorShell::act`], once everything that waits has been taken. False if it is

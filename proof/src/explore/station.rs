@@ -8,7 +8,7 @@
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{OpId, StationId, TaskId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Founding, ModeOrder, NO_DELAY, PanelCommand, RequestWriter, Restore, StationHappening,
+    CompileError, Controller, ModeOrder, NO_DELAY, PanelCommand, RequestWriter, Restore, StationHappening,
     StationInput, StationOutbox, StationReport, TaskCommand,
 };
 use rustc_hash::FxHashMap;
@@ -328,7 +328,7 @@ impl Situation {
     pub(super) fn order(&mut self, setting: &LineExploration, events: &mut Vec<StationHappening>) {
         self.epoch += 1;
         // Counts of the start are of one generation; it is founded for the first life of each station.
-        let found = setting.forgets.then_some(Founding { generation: 1, boot_id: 1 });
+        let found = (setting.forgets && self.controller.writer().boot_id == 1).then_some(1);
         let order = ModeOrder {
             found,
             manual_all: true,

@@ -5,8 +5,7 @@ use std::rc::Rc;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
-    Controller, Founding, ModeOrder, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport,
-    WithdrawalAnswer,
+    Controller, ModeOrder, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport, WithdrawalAnswer,
 };
 
 /// The one moment at which everything happens.
@@ -142,8 +141,8 @@ impl Node {
         let order = ModeOrder {
             manual_all: true,
             buttons: self.button.map_or(0, |b| 1 << b),
-            // For the lives of the start; a station that has lost its memory receives it too.
-            found: Some(Founding { generation: 1, boot_id: 1 }),
+            // For the lives of the start.
+            found: (self.controller.writer().boot_id == 1).then_some(1),
             ..ModeOrder::of(1, self.epoch, self.mode, line.timing.lease)
         };
         self.act(|c| {

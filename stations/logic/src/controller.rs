@@ -246,9 +246,9 @@ impl Controller {
                 let epoch = self.commands.epoch();
                 let taken = self.commands.order(now, order, self.stale);
                 if taken.is_ok()
-                    && let Some(founding) = order.found
+                    && let Some(generation) = order.found
                 {
-                    self.found(founding);
+                    self.found(generation);
                 }
                 self.due.report |= self.commands.epoch() != epoch;
                 return taken;

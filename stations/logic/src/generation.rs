@@ -16,7 +16,6 @@ use linewright_line::{OpId, Tick};
 
 use crate::controller::Controller;
 use crate::event::HappeningKind;
-use crate::panel::Founding;
 use crate::parts::{IndexProgress, RunCommand, Token};
 
 impl Token {
@@ -45,7 +44,7 @@ impl Controller {
     }
 
     /// Begins to count anew in this generation, if it stands at home and nothing moves.
-    pub(crate) fn found(&mut self, founding: Founding) {
+    pub(crate) fn found(&mut self, generation: u64) {
         let rests =
             !matches!(self.commands.granted(self.now), ControlMode::Auto | ControlMode::Hand | ControlMode::Manual);
         let stands = rests
@@ -55,12 +54,11 @@ impl Controller {
             && self.is_at_home()
             && self.position_lost().is_none()
             && self.is_home_measured();
-        let meant = founding.boot_id == self.boot_id && founding.generation != 0;
-        if !meant || !stands || self.program.tasks.is_some() || founding.generation == self.views.generation {
+        if generation == 0 || !stands || self.program.tasks.is_some() || generation == self.views.generation {
             return;
         }
         self.count_from_home();
-        self.views.generation = founding.generation;
+        self.views.generation = generation;
         self.marking.placed = true;
         self.due.report = true;
         self.due.outputs = true;

@@ -24,6 +24,8 @@ pub enum Ignored {
     EpochTooHigh,
     /// A mode command with a longer lease than the description gives.
     LeaseTooLong,
+    /// A mode command that was decided before this start of the station was received.
+    OtherLife,
     /// A confirmation of the position while a motion is driven.
     Moving,
     /// A confirmation of the position of a station whose position is known.

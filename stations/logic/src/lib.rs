@@ -94,7 +94,7 @@ pub use order::{
     OrderKey, OrderMemory, RESULTS_MAX, SlotReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport, TaskOutcome,
     TaskRefusal, TaskReply,
 };
-pub use panel::{Founding, ModeOrder, PanelCommand, RivalCoordinators};
+pub use panel::{ModeOrder, PanelCommand, RivalCoordinators};
 pub use position_guard::{OwnSide, PositionGuard, PositionsKnown};
 pub use program::{CompileError, Program};
 pub use rejoin::RejoinAt;

@@ -12,15 +12,6 @@ use linewright_line::net::ControlMode;
 use crate::ignored::Ignored;
 use crate::program::bit;
 
-/// An order to found a generation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Founding {
-    /// The generation; never 0.
-    pub generation: u64,
-    /// The life of this station that was seen at home. Another one does not follow.
-    pub boot_id: u64,
-}
-
 /// The coordinator's order of the mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModeOrder {
@@ -42,8 +33,12 @@ pub struct ModeOrder {
     pub resume: bool,
     /// The order holds for this long after its arrival.
     pub lease: Duration,
-    /// A generation is founded: a station at home counts anew.
-    pub found: Option<Founding>,
+    /// The generation that is founded, never 0: a station at home counts anew. Only an order that names the station's present life
+    /// reaches it.
+    pub found: Option<u64>,
+    /// Boot id of the station it is for, as the coordinator has received it last; 0 for none. A shell follows no order that was
+    /// decided without it.
+    pub station_life: u64,
     /// The mode is this station's alone: the others are in auto while a person leads it. Its place is not confirmed meanwhile,
     /// since the others rely on where it stands by its report.
     pub single: bool,
@@ -66,6 +61,7 @@ impl ModeOrder {
             resume: false,
             lease,
             found: None,
+            station_life: 0,
             single: false,
         }
     }

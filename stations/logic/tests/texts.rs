@@ -114,6 +114,7 @@ fn ignored() -> Vec<Ignored> {
         Ignored::NotAPeer => Ignored::NotAPeer;
         Ignored::Misfit => Ignored::Misfit;
         Ignored::NoTasks => Ignored::NoTasks;
+        Ignored::OtherLife => Ignored::OtherLife;
         Ignored::EpochTooHigh => Ignored::EpochTooHigh;
         Ignored::LeaseTooLong => Ignored::LeaseTooLong;
         Ignored::Moving => Ignored::Moving;

@@ -10,6 +10,8 @@ pub struct ShellRules {
     pub epochs: bool,
     /// An order with a longer lease than the description's is not followed. Off: it is.
     pub leases: bool,
+    /// An order that does not name this life of the station is not followed. Off: it is.
+    pub lives: bool,
     /// Of the messages of one life the one with the greatest number counts. Off: the last one that arrived.
     pub numbers: bool,
     /// While two coordinators give orders nothing starts, and the second one ends. Off: neither is noticed.
@@ -24,8 +26,16 @@ pub struct ShellRules {
 
 impl ShellRules {
     /// All rules in force, as in a machine.
-    pub const ALL: ShellRules =
-        ShellRules { epochs: true, leases: true, numbers: true, rivals: true, gaps: true, late: true, off_first: true };
+    pub const ALL: ShellRules = ShellRules {
+        epochs: true,
+        leases: true,
+        lives: true,
+        numbers: true,
+        rivals: true,
+        gaps: true,
+        late: true,
+        off_first: true,
+    };
 }
 
 impl Default for ShellRules {

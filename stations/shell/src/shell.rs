@@ -231,13 +231,22 @@ impl StationShell {
         // A station that has followed no coordinator yet has nothing to compare with. It follows whatever epoch the line has
         // come to, so that a line comes back from an epoch that was forged when its stations are restarted.
         let followed = self.controller.mode_epoch();
+        // What was decided without this start of the station was decided for another one: an order of before an emergency stop
+        // that arrives once more would start a motion within it, and a second process would obey beside the first.
+        let is_for_other_life = self.rules.lives && order.station_life != self.boot_id;
         let jumps = self.rules.epochs && followed != 0 && order.epoch > followed.saturating_add(EPOCH_JUMP_MAX);
-        if jumps || (self.rules.leases && order.lease > self.lease) {
-            // Followed, it would shut out every coordinator that counts as it should, or outlive its sender.
+        // Followed, the others would shut out every coordinator that counts as it should, or outlive their sender.
+        let why = match () {
+            () if is_for_other_life => Some(Ignored::OtherLife),
+            () if jumps => Some(Ignored::EpochTooHigh),
+            () if self.rules.leases && order.lease > self.lease => Some(Ignored::LeaseTooLong),
+            () => None,
+        };
+        if let Some(why) = why {
             if order.mode == ControlMode::EStop {
                 self.controller.handle(now, StationInput::EmergencyStop(order.boot_id));
             }
-            return Handled::Ignored(if jumps { Ignored::EpochTooHigh } else { Ignored::LeaseTooLong });
+            return Handled::Ignored(why);
         }
         let is_newest = self.orders.offer(now, order.boot_id, sequence) || !self.rules.numbers;
         let is_stop = order.mode == ControlMode::EStop;

@@ -8,3 +8,4 @@ mod numbered;
 mod order_of_effects;
 mod rig;
 mod rivals;
+mod start;

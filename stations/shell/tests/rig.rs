@@ -10,7 +10,8 @@ use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEff
 /// The life of the coordinator that is followed, and of another one.
 pub const FOLLOWED: u64 = 11;
 pub const OTHER: u64 = 12;
-const LIFE: u64 = 7;
+/// The first life of the station.
+pub const LIFE: u64 = 7;
 const ADVANCE: OpId = OpId(1);
 
 pub struct Rig {
@@ -80,8 +81,14 @@ impl Rig {
     }
 
     pub fn order_numbered(&mut self, sequence: u64, life: u64, epoch: u64, mode: ControlMode) {
+        self.order_to(self.shell.boot_id(), sequence, (life, epoch, mode));
+    }
+
+    /// An order to a life of the station, by its number and the coordinator's life, epoch and mode.
+    pub fn order_to(&mut self, station_life: u64, sequence: u64, (life, epoch, mode): (u64, u64, ControlMode)) {
         let lease = self.timing().lease;
-        let order = ModeOrder { manual_all: mode == ControlMode::Manual, ..ModeOrder::of(life, epoch, mode, lease) };
+        let manual_all = mode == ControlMode::Manual;
+        let order = ModeOrder { manual_all, station_life, ..ModeOrder::of(life, epoch, mode, lease) };
         self.take(StationArrival::Order { sequence, order });
     }
 

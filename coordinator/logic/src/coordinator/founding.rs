@@ -3,8 +3,8 @@
 //!
 //! The coordinator stores no generation. The line has one while all stations that compare counts report the same one. If
 //! they do not, the first *start*, *auto* or *hand*, or *manual* at home, given while every station is at home by its
-//! switches founds a new one: a number is drawn and sent with the boot id of each station, so that a station restarted since
-//! ignores it. Motion is enabled when all have taken it. A station that is restarted meanwhile, or leaves home before taking
+//! switches founds a new one: a number is drawn and sent, in orders that name the boot id of each station, so that a station
+//! restarted since ignores it. Motion is enabled when all have taken it. A station that is restarted meanwhile, or leaves home before taking
 //! it, ends the founding; the next such command begins another.
 
 use linewright_line::{StationId, Tick};
@@ -23,11 +23,9 @@ pub(super) struct OpenFounding {
 }
 
 impl Coordinator {
-    /// Message to a station while a generation is founded: the generation, and the boot id of the station it is for.
-    pub fn founding(&self, station: StationId) -> Option<(u64, u64)> {
-        let founding = self.founding.as_ref()?;
-        let life = founding.lives.get(station.index()).copied()?;
-        Some((founding.generation, life))
+    /// The generation that is being founded, for the lives of the stations that are received ([`Coordinator::life_of`]).
+    pub fn founding(&self) -> Option<u64> {
+        self.founding.as_ref().map(|founding| founding.generation)
     }
 
     /// The stations whose counts others compare with, or that compare with others'.

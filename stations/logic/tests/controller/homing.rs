@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick, parse};
 use linewright_station_logic::{
-    Controller, Founding, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Restore, StationInput, StationOutbox,
+    Controller, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Restore, StationInput, StationOutbox,
     StationReport, StationSnapshot,
 };
 
@@ -54,7 +54,7 @@ impl HomingBench {
             held: [None; 2],
             order: ModeOrder {
                 manual_all: true,
-                found: Some(Founding { generation: GENERATION, boot_id: 1 }),
+                found: Some(GENERATION),
                 ..ModeOrder::of(9, 1, ControlMode::StandBy, Duration::from_secs(1))
             },
             now: Tick::from_millis(1000),

@@ -103,7 +103,7 @@ proptest! {
                 }
                 Act::Order(mode, enabled, buttons, master_stop, lease) => controller.handle(now, StationInput::Order(ModeOrder {
                     boot_id: u64::from(buttons % 2), epoch: epoch as u64, mode: ControlMode::ALL[usize::from(mode)],
-                    enabled, master_stop, manual_all: buttons % 3 == 0, buttons, resume: buttons % 5 != 0, lease: Duration::from_micros(lease), found: None, single: buttons % 7 == 0,
+                    enabled, master_stop, manual_all: buttons % 3 == 0, buttons, resume: buttons % 5 != 0, lease: Duration::from_micros(lease), found: None, station_life: 1, single: buttons % 7 == 0,
                 })),
                 Act::Panel(command) => controller.handle(now, StationInput::Panel(command)),
                 Act::View(from, report) => controller.handle(now, StationInput::View(StationId(from), &report)),

@@ -5,8 +5,8 @@ use std::time::Duration;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Arrow, Line, OpId, OutputId, StationId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Founding, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Program, RejoinAt,
-    Restore, StationInput, StationOutbox, StationReport, WithdrawalAnswer,
+    CompileError, Controller, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Program, RejoinAt, Restore,
+    StationInput, StationOutbox, StationReport, WithdrawalAnswer,
 };
 
 use linewright_testkit::built::transfer_line;
@@ -43,7 +43,7 @@ impl InterlockBench {
             now: Tick::from_millis(1000),
             order: ModeOrder {
                 manual_all: true,
-                found: (generation != 0).then_some(Founding { generation, boot_id: 1 }),
+                found: (generation != 0).then_some(generation),
                 ..ModeOrder::of(9, 1, ControlMode::StandBy, Duration::from_secs(1))
             },
             outputs: 0,

@@ -1,0 +1,31 @@
+//! A station that has just been started: which orders it follows.
+
+use linewright_line::net::ControlMode::{EStop, Manual, StandBy};
+
+use crate::rig::{FOLLOWED, LIFE, Rig};
+
+/// An order of before the start, received once more, and one of a coordinator that has received no state of it.
+#[test]
+fn an_order_that_does_not_name_this_start_is_followed_into_the_emergency_stop_only() {
+    for station_life in [LIFE, 0] {
+        let mut rig = Rig::new();
+        rig.restart();
+        rig.order_to(station_life, 900, (FOLLOWED, 5, Manual));
+        rig.act();
+        let controller = rig.shell.controller();
+        assert_eq!((rig.mode(), controller.followed(), controller.mode_epoch()), (StandBy, 0, 0), "{station_life}");
+        assert!(
+            rig.effects.iter().any(|effect| format!("{effect:?}").contains("name this start")),
+            "{:?}",
+            rig.effects
+        );
+        // Its number does not count either.
+        rig.order(FOLLOWED, 5, Manual);
+        rig.act();
+        assert_eq!(rig.mode(), Manual);
+        rig.restart();
+        rig.order_to(station_life, 901, (FOLLOWED, 5, EStop));
+        rig.act();
+        assert_eq!(rig.mode(), EStop, "{station_life}");
+    }
+}
