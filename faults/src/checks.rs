@@ -175,6 +175,10 @@ impl Observer {
             self.stop_epoch = order.epoch;
         }
         if self.ordered_mode.0 != order.mode {
+            if self.ordered_mode.0 == ControlMode::EStop && self.stop.is_none() {
+                // What orders the stop in its life and in an epoch before this one is ended by this one.
+                self.ended = self.ended.max(order.epoch.saturating_sub(1));
+            }
             self.ordered_mode = (order.mode, order.epoch);
             self.enters(now, order.mode);
         }

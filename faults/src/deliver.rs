@@ -62,8 +62,10 @@ impl World {
         }
         match message {
             Message::Order { order, sequence } if to < self.stations.len() => {
-                let in_stop = self.mode() == Some(ControlMode::EStop);
-                let stop = self.observer.ordered((self.now, since), to, order, in_stop);
+                let coordinator = self.coordinators[0].shell.as_ref().map(|shell| shell.coordinator());
+                let in_stop = coordinator.is_some_and(|of| of.mode() == ControlMode::EStop);
+                let manual_waits = coordinator.is_some_and(|of| of.order().manual_all);
+                let stop = self.observer.ordered((self.now, since), to, order, (in_stop, manual_waits));
                 // One with a longer lease is not taken, and its number neither.
                 if *sequence == FORGED_NUMBER && order.lease <= timing.lease {
                     self.observer.forget_lives(to);

@@ -232,8 +232,9 @@ impl World {
             ForgedEpoch::Next => newest.saturating_add(1),
             ForgedEpoch::Last => u64::MAX,
         };
-        if newest == 0 {
-            // A station that has followed nobody follows whatever comes first.
+        // A station that has followed none follows whatever epoch comes first; one in emergency stop is in none anew, and leaves both
+        // by the end of the first, which it may not have received yet.
+        if newest == 0 || (mode == ControlMode::EStop && controller.mode() == ControlMode::EStop) {
             return;
         }
         let boot_id = if is_followed { followed } else { 0xBAD };

@@ -82,7 +82,7 @@ pub(crate) struct Observer {
     process_carries: bool,
     disk_carries: bool,
     /// Epoch in which the last stop was ended by people, and when; the coordinator may order it for a moment longer.
-    ended: u64,
+    pub(crate) ended: u64,
     ended_at: Tick,
     is_ending: bool,
     /// The coordinator has taken the reset of that.
@@ -264,14 +264,15 @@ impl Observer {
         self.stations[at].held_up += time;
     }
 
-    /// A station takes an order, whose lease begins at `since`; `in_stop`: the line's coordinator still orders the stop. Gives the
-    /// number of the emergency stop whose outputs have to be off soon.
+    /// A station takes an order, whose lease begins at `since`; `in_stop`: the line's coordinator still orders the stop, and whether
+    /// manual waits in it, as for a station that has yet to acknowledge. Gives the number of the emergency stop whose outputs have to
+    /// be off soon.
     pub(crate) fn ordered(
         &mut self,
         (now, since): (Tick, Tick),
         at: usize,
         order: &ModeOrder,
-        in_stop: bool,
+        (in_stop, manual_waits): (bool, bool),
     ) -> Option<u64> {
         self.is_ending &= in_stop;
         if order.lease > self.lease {
@@ -294,7 +295,7 @@ impl Observer {
         }
         // A coordinator that stood when the commands arrived has not taken them, and is in the stop still. So is one that has taken
         // the reset and refuses manual.
-        let goes_on = in_stop && now > self.ended_at + ENDS_WITHIN;
+        let goes_on = in_stop && !manual_waits && now > self.ended_at + ENDS_WITHIN;
         if self.stop.is_none() && (self.is_ending || order.epoch <= self.ended) && !goes_on {
             return None;
         }
