@@ -172,6 +172,7 @@ fn situation_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<L
         |id| client.station(id).and_then(|state| report_from_message(line, state).ok()).map(|(_, report)| report);
     let stations = line.station_ids().map(report).collect();
     let mut situation = LineSituation::read(line, mode, state.enabled, standing(line, state), stations);
+    situation.misfit = client.other_description();
     situation.alarms = cell.and_then(CellClient::heard_lately).map(|cell| alarms(line, cell)).unwrap_or_default();
     Some(situation)
 }
@@ -297,6 +298,7 @@ fn picture(
         }
     }
     lines.extend(plan.end_text(line));
+    lines.extend(client.other_descriptions());
     if !plan.is_shortest {
         lines.push("there may be a shorter way: the search was ended".to_owned());
     }

@@ -75,6 +75,9 @@ impl RecoveryPlan {
 
 /// The shortest list of actions from a situation to auto.
 pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
+    if let Some(station) = situation.misfit {
+        return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Misfit(RestoreMisfit(station)));
+    }
     let is_in_auto = situation.mode == ControlMode::Auto && situation.enabled;
     if is_in_auto && situation.alarms.is_empty() {
         return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Auto);

@@ -73,6 +73,8 @@ pub struct LineSituation {
     pub alarms: Vec<StandingAlarm>,
     /// What else keeps every mode from being given, in words: a second coordinator, a journal that cannot be written.
     pub obstacles: Vec<String>,
+    /// A station whose node runs with another description.
+    pub misfit: Option<StationId>,
     /// By station; none where it is not heard.
     pub stations: Vec<Option<StationReport>>,
 }
@@ -92,6 +94,7 @@ impl LineSituation {
             left_out: Vec::new(),
             alarms: Vec::new(),
             obstacles: Vec::new(),
+            misfit: None,
             stations,
         }
     }
