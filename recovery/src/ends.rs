@@ -117,11 +117,11 @@ impl EndsReached {
                 known.extend(report(id).filter(|_| is_new).and_then(|report| under_way(line, id, report)));
             }
             let arrived = known.iter().filter(|task| !alarm.lead.contains(&task.station));
-            let reached = arrived.filter_map(|task| {
+            let mut reached = arrived.filter_map(|task| {
                 let report = report(task.station).filter(|report| report.at_home && report.incomplete.is_empty())?;
                 Some((task.station, task.end(report)))
             });
-            if let (None, Some((station, end))) = (&alarm.end, reached.last()) {
+            if let (None, Some((station, end))) = (&alarm.end, reached.next_back()) {
                 alarm.end = Some(DecidedEnd { end, because: texts::reached(line, station, end) });
             }
         }

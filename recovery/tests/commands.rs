@@ -38,7 +38,7 @@ impl WrongRest {
         hold(&mut sim, &line, "PB_load_1", 20.0);
         force(&mut sim, None);
         // The robot has begun as well, and waits for a part: it is led to its rest.
-        [ModeCommand::EStop, ModeCommand::Reset, ModeCommand::Manual].map(|of| command(&mut sim, of));
+        [ModeCommand::EStop, ModeCommand::Reset, ModeCommand::Manual].iter().for_each(|&of| command(&mut sim, of));
         let robot = line.station_named("robot").expect("it is one");
         for down in [true, false].repeat(4) {
             sim.act(OperatorAction::Panel { station: robot, advance: false, down }).expect("it is done");

@@ -255,7 +255,7 @@ fn where_a_position_is_to_be_confirmed_that_comes_before_a_press() {
         command(&mut sim, ModeCommand::EStop);
         situation(&sim)
     };
-    let is_lowering = |seen: &linewright_recovery::LineSituation| {
+    let is_lowering = |seen: &LineSituation| {
         let report = seen.stations[bar.index()].as_ref().expect("it is heard");
         report.incomplete.iter().any(|&(op, _)| op == lower)
     };

@@ -25,7 +25,7 @@ use clap::Args as ClapArgs;
 use linewright_canopen::Frame;
 use linewright_fieldbus::{Bus as CanBus, BusError, BusOptions, OwnBuses};
 use linewright_line::{DeviceBus, Line};
-use linewright_msgs::{LineState, StationState};
+use linewright_msgs::StationState;
 use linewright_node_shell::{Claim, RosArgs};
 use miette::{IntoDiagnostic, miette};
 use tokio::sync::mpsc;
@@ -36,7 +36,7 @@ use crate::load;
 use crate::nodes::DEFAULT_BUS;
 use crate::parts::{PartList, at_least_1};
 use crate::watch::{PICTURE_EVERY, Screen, WatchState};
-use auto_once::{AutoOnce, AutoStep};
+use auto_once::AutoOnce;
 use cell::CellRun;
 use children::Children;
 use directory::RunDirectory;
@@ -397,26 +397,6 @@ impl Session {
             RunPhase::Running | RunPhase::Stopping(_) => {}
         }
         self.wait()
-    }
-
-    /// Brings the line to auto, once.
-    fn begin(&mut self, state: &LineState) {
-        let ready = self.all_ready();
-        match self.auto_once.next(state, ready) {
-            AutoStep::Give(command) if self.say(command) => self.print(&format!("gives {command}")),
-            AutoStep::Give(_) | AutoStep::Wait => {}
-            AutoStep::InAuto => {
-                self.tally.begin(&state.header);
-                self.progress.since = Instant::now();
-                self.phase = RunPhase::Running;
-            }
-            AutoStep::HandsOver => {
-                self.note(format!(
-                    "not in auto yet, and now {}: another has changed the mode, who gives auto then",
-                    state.text
-                ));
-            }
-        }
     }
 
     /// Nothing to do now, within a limit of time that each change of the mode renews.
