@@ -3,6 +3,7 @@
 //! Shared by every subcommand that looks at a line or operates it. It uses the same topics as the stock tools, and only
 //! what the nodes publish.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use linewright_fieldbus::Clock;
@@ -70,6 +71,8 @@ pub struct OperatorClient {
     from: mpsc::Receiver<RawState>,
     coordinator: HeardNode<LineState>,
     stations: Vec<HeardNode<StationState>>,
+    /// Number of operations of a station whose node runs another description.
+    others: BTreeMap<StationId, usize>,
     clock: Clock,
     commands: Publisher<Text>,
     buttons: Publisher<Text>,
@@ -120,6 +123,7 @@ impl OperatorClient {
             from,
             coordinator: HeardNode::new(line),
             stations: vec![HeardNode::new(line); line.stations.len()],
+            others: BTreeMap::new(),
             clock: Clock::start(),
             commands: node.publisher("mode_cmd", qos::command()).map_err(failed)?,
             buttons: node.publisher("buttons", qos::command()).map_err(failed)?,
@@ -161,6 +165,22 @@ impl OperatorClient {
         self.stations[id.index()].unheard_for(shown_for(&self.line))
     }
 
+    /// A station whose node runs with another description than this one.
+    pub fn other_description(&self) -> Option<StationId> {
+        self.others.keys().next().copied()
+    }
+
+    /// The stations whose nodes run with another description, in words.
+    pub fn other_descriptions(&self) -> Vec<String> {
+        let text = |(id, runs): (&StationId, &usize)| {
+            let station = self.line.station(*id);
+            let here = station.operations.len();
+            let name = &station.name;
+            format!("{name} runs with another description: {runs} operations there, {here} in this one")
+        };
+        self.others.iter().map(text).collect()
+    }
+
     /// The stations of which nothing fresh is heard.
     pub fn unheard(&self) -> impl Iterator<Item = &str> {
         let unheard = self.line.station_ids().filter(|&id| self.station(id).is_none());
@@ -192,6 +212,10 @@ impl OperatorClient {
             RawState::Station(state) => {
                 let id = self.line.station_named(&state.station)?;
                 let fits = state.done.len() == self.line.station(id).operations.len();
+                match fits {
+                    true => _ = self.others.remove(&id),
+                    false => _ = self.others.insert(id, state.done.len()),
+                }
                 let heard = &mut self.stations[id.index()];
                 let is_newer = fits && heard.offer(now, state.boot_id, state.sequence, *state);
                 is_newer.then_some(StateUpdate::Station(id))
@@ -210,7 +234,9 @@ impl OperatorClient {
             let is_heard = |id| self.station(id).is_some();
             let is_all = self.coordinator().is_some() && self.line.station_ids().all(is_heard);
             if is_all || Instant::now() >= deadline {
-                let is_any = self.coordinator().is_some() || self.line.station_ids().any(is_heard);
+                let is_any = self.coordinator().is_some()
+                    || self.line.station_ids().any(is_heard)
+                    || self.other_description().is_some();
                 return if is_any { Ok(is_all) } else { Err(self.not_found()) };
             }
             self.listen(Duration::from_millis(30)).await?;

@@ -14,11 +14,12 @@ use std::time::Duration;
 use clap::Args as ClapArgs;
 use linewright_coordinator_logic::ModeStanding;
 use linewright_line::{Line, StationId};
-use linewright_msgs::{CellState, LineState, StationState};
+use linewright_msgs::{AlarmState, CellState, LineState, StationState};
 use linewright_node_line::{mode_from_code, report_from_message};
 use linewright_node_shell::RosArgs;
 use linewright_recovery::{
-    LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, StandingAlarm, plan,
+    ActivityEnd, DecidedEnd, EndsReached, LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep,
+    StandingAlarm, plan,
 };
 
 use crate::cell::CellClient;
@@ -140,19 +141,25 @@ async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
 
 /// The newest plan, with the situation that it was made for: the same situation needs no other search.
 #[derive(Default)]
-struct NewestPlan(Option<(LineSituation, RecoveryPlan)>);
+struct NewestPlan {
+    known: Option<(LineSituation, RecoveryPlan)>,
+    reached: EndsReached,
+}
 
 impl NewestPlan {
     /// The plan for what is received now; none where the coordinator is not received.
     fn look(&mut self, client: &OperatorClient, cell: Option<&CellClient>) -> Option<&RecoveryPlan> {
-        let now = situation_now(client, cell);
-        if self.0.as_ref().map(|(known, _)| known) != now.as_ref() {
-            self.0 = now.map(|situation| {
+        let mut now = situation_now(client, cell);
+        if let Some(situation) = &mut now {
+            self.reached.complete(client.line(), situation);
+        }
+        if self.known.as_ref().map(|(known, _)| known) != now.as_ref() {
+            self.known = now.map(|situation| {
                 let found = plan(client.line(), &situation);
                 (situation, found)
             });
         }
-        self.0.as_ref().map(|(_, found)| found)
+        self.known.as_ref().map(|(_, found)| found)
     }
 }
 
@@ -165,6 +172,7 @@ fn situation_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<L
         |id| client.station(id).and_then(|state| report_from_message(line, state).ok()).map(|(_, report)| report);
     let stations = line.station_ids().map(report).collect();
     let mut situation = LineSituation::read(line, mode, state.enabled, standing(line, state), stations);
+    situation.misfit = client.other_description();
     situation.alarms = cell.and_then(CellClient::heard_lately).map(|cell| alarms(line, cell)).unwrap_or_default();
     Some(situation)
 }
@@ -188,14 +196,26 @@ fn standing(line: &Line, state: &LineState) -> ModeStanding {
 }
 
 fn alarms(line: &Line, cell: &CellState) -> Vec<StandingAlarm> {
-    let alarm = |alarm: &linewright_msgs::AlarmState| StandingAlarm {
+    let alarm = |alarm: &AlarmState| StandingAlarm {
         id: alarm.id,
         text: alarm.text.clone(),
         answers: alarm.answers.to_vec(),
+        meanings: alarm.meanings.to_vec(),
         lead: named(line, &alarm.lead),
         reset: named(line, &alarm.reset),
+        end: led_to(alarm.lead_to).map(|end| DecidedEnd { end, because: alarm.lead_because.clone() }),
+        bring: line.station_named(&alarm.bring).and_then(|id| Some((id, line.station(id).rest_named(&alarm.to_rest)?))),
     };
     cell.alarms.as_slice().iter().map(alarm).collect()
+}
+
+/// A code that is not known is no decision.
+fn led_to(code: u8) -> Option<ActivityEnd> {
+    match code {
+        AlarmState::LEAD_ON => Some(ActivityEnd::Done),
+        AlarmState::LEAD_BACK => Some(ActivityEnd::TakenBack),
+        _ => None,
+    }
 }
 
 /// The arguments of each command for a step, for a line in the directory `path`.
@@ -266,6 +286,7 @@ fn picture(
     }
     lines.extend(done.iter().map(|text| format!(" done  {text}")));
     let Some(plan) = found else { return lines };
+    lines.extend(plan.led.iter().map(|led| led.text(line)));
     for (at, step) in plan.steps.iter().enumerate() {
         lines.push(format!("{:>5}. {}", at + 1, step.text(line)));
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
@@ -277,6 +298,7 @@ fn picture(
         }
     }
     lines.extend(plan.end_text(line));
+    lines.extend(client.other_descriptions());
     if !plan.is_shortest {
         lines.push("there may be a shorter way: the search was ended".to_owned());
     }
@@ -338,8 +360,11 @@ mod tests {
             id: 3,
             text: "M1 failed.".to_owned(),
             answers: vec!["as-done".to_owned(), "as-before".to_owned()],
+            meanings: Vec::new(),
             lead: Vec::new(),
             reset: Vec::new(),
+            end: None,
+            bring: None,
         };
         let answer = step(RecoveryAction::First(Need::Answer(alarm)));
         assert_eq!(typed(&line(), "l", &answer), ["linewright answer l 3 as-done", "linewright answer l 3 as-before"]);

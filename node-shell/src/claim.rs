@@ -82,7 +82,7 @@ impl Claim {
     /// When another process holds it; when the namespace is not valid.
     pub fn line(args: &RosArgs, namespace: &str) -> Result<Self, ClaimError> {
         let (namespace, _) = names::identify(&args.remaps, namespace, "coordinator")?;
-        let what = format!("a run of line {namespace} in ROS domain {}", args.domain_id);
+        let what = format!("a run of {}", RunName::of(&namespace, args.domain_id));
         let advice = "End that run first, or give this one another ROS_DOMAIN_ID or namespace (-r __ns:=/other).";
         Self::named(&format!("linewright/run/{}{namespace}", args.domain_id), what, advice)
     }
@@ -209,6 +209,24 @@ pub fn bus_managed_by(args: &RosArgs, namespace: &str, name: &str) -> Option<Str
     managed().into_iter().find(is_own).map(|bus| bus.interface)
 }
 
+/// The name of a run: its line and its ROS domain.
+pub struct RunName;
+
+impl RunName {
+    const DOMAIN: &str = " in ROS domain ";
+
+    /// `line /name in ROS domain 3`
+    pub fn of(namespace: &str, domain: impl std::fmt::Display) -> String {
+        format!("line {namespace}{}{domain}", RunName::DOMAIN)
+    }
+
+    /// Whether two names are of one line, in whatever ROS domain.
+    pub fn is_same_line(a: &str, b: &str) -> bool {
+        let line = |name: &str| name.split_once(RunName::DOMAIN).map_or(name.len(), |(line, _)| line.len());
+        a[..line(a)] == b[..line(b)]
+    }
+}
+
 /// The lines whose nodes manage the bus `interface` at `place`, each as `line /name in ROS domain 3`; without those whose names are
 /// too long for a mark.
 pub fn lines_managing(interface: &str, place: &str) -> Vec<String> {
@@ -217,7 +235,7 @@ pub fn lines_managing(interface: &str, place: &str) -> Vec<String> {
     let line = |bus: ManagedBus| {
         let (domain, node) = bus.by.split_once('/').filter(|_| bus.mark.len() < NAME_MAX)?;
         let (namespace, _) = node.rsplit_once('/')?;
-        Some(format!("line /{namespace} in ROS domain {domain}"))
+        Some(RunName::of(&format!("/{namespace}"), domain))
     };
     here.filter_map(line).collect()
 }

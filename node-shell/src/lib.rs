@@ -36,7 +36,7 @@ pub use action::{
 };
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
 pub use caller::{CallError, Caller, Mapping};
-pub use claim::{Claim, ClaimError, bus_managed_by, clock, lines_managing};
+pub use claim::{Claim, ClaimError, RunName, bus_managed_by, clock, lines_managing};
 pub use environment::{EnvironmentError, Range};
 pub use identity::{boot_id, fresh_boot_id, fresh_key, stamp};
 pub use journal::{Journal, JournalError};

@@ -16,6 +16,8 @@ const ROUNDS_MAX: usize = 64;
 const COMMANDS_MAX: usize = 3;
 /// Commands of a way, the first of equals first.
 const COMMANDS: [ModeCommand; 4] = [ModeCommand::Auto, ModeCommand::Start, ModeCommand::Reset, ModeCommand::Manual];
+/// The same to hand mode, which is given from stand-by.
+const TO_HAND: [ModeCommand; 3] = [ModeCommand::Hand, ModeCommand::Start, ModeCommand::Stop];
 
 /// The mode decision with all stations.
 #[derive(Clone)]
@@ -177,13 +179,14 @@ impl Desk {
         if self.is_in(mode) {
             return Some(Vec::new());
         }
+        let commands: &[ModeCommand] = if mode == ControlMode::Hand { &TO_HAND } else { &COMMANDS };
         let mut ways: Vec<Vec<(ModeCommand, Desk)>> = vec![Vec::new()];
         for _ in 0..COMMANDS_MAX {
             let mut longer = Vec::new();
             for way in &ways {
                 let from = way.last().map_or(self, |(_, desk)| desk);
                 let last = way.last().map(|(command, _)| *command);
-                for command in COMMANDS.into_iter().filter(|&command| may_follow(last, command)) {
+                for command in commands.iter().copied().filter(|&command| may_follow(last, command)) {
                     let mut next = from.clone();
                     if !next.command(floor, command) {
                         continue;
@@ -208,7 +211,8 @@ fn may_follow(last: Option<ModeCommand>, command: ModeCommand) -> bool {
     match last {
         None => true,
         Some(ModeCommand::Reset) => command == ModeCommand::Manual,
-        Some(ModeCommand::Start) => matches!(command, ModeCommand::Auto | ModeCommand::Manual),
+        Some(ModeCommand::Start) => matches!(command, ModeCommand::Auto | ModeCommand::Manual | ModeCommand::Hand),
+        Some(ModeCommand::Stop) => matches!(command, ModeCommand::Start | ModeCommand::Hand),
         Some(_) => command == ModeCommand::Auto,
     }
 }

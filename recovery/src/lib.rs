@@ -14,10 +14,14 @@
 //! it leads on several stations, is one press. Only stations that keep auto
 //! from being accepted are moved at first. Another one is added where a press is refused that reads its state, and where a way
 //! through that could still be shorter. A lower bound for each station (`distance`) is its own way without the others.
+//! The stations of one failed activity of a cell are led to the same end of it (`ends`).
+//! A station that an alarm asks to be brought to another rest is brought there by a button of hand mode (`bring`).
 //! [`TRIED_MAX`] bounds the search; beyond it any plan is taken, and says that it may not be the shortest.
 
+mod bring;
 mod desk;
 mod distance;
+mod ends;
 mod image;
 mod plan;
 mod restore;
@@ -27,8 +31,9 @@ mod step;
 mod texts;
 mod units;
 
+pub use ends::{EndsReached, LedActivity};
 pub use plan::{RecoveryEnd, RecoveryPlan, plan};
 pub use restore::RestoreMisfit;
 pub use search::{TRIED_FOR_ANY_MAX, TRIED_MAX};
-pub use situation::{ConsoleSituation, LineSituation, StandingAlarm, as_received};
+pub use situation::{ActivityEnd, ConsoleSituation, DecidedEnd, LineSituation, StandingAlarm, as_received};
 pub use step::{Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};

@@ -7,11 +7,13 @@ use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{InputId, Line, MotionSignals, OpId, OperationModule, Station, StationId};
 use linewright_station_logic::StationReport;
 
+use crate::bring;
 use crate::desk::Desk;
+use crate::ends::{CommonEnds, KeptEnds, LedActivity};
 use crate::image;
 use crate::restore::{RestoreMisfit, unit};
 use crate::search::{Move, Search};
-use crate::situation::{ConsoleSituation, LineSituation};
+use crate::situation::{ConsoleSituation, LineSituation, StandingAlarm};
 use crate::step::{Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
 use crate::units::{PlayedLine, PlayedStations, in_manual};
 
@@ -41,13 +43,15 @@ pub struct RecoveryPlan {
     pub is_shortest: bool,
     /// Auto founds a new generation of counts: no station knows what the others have done to the parts between them.
     pub begins_anew: bool,
+    /// Activities of a cell whose stations are led, and to which end of them.
+    pub led: Vec<LedActivity>,
     /// States from which all presses were tried.
     pub expanded: usize,
 }
 
 impl RecoveryPlan {
     fn ends(steps: Vec<RecoveryStep>, end: RecoveryEnd) -> Self {
-        RecoveryPlan { steps, end, is_shortest: true, begins_anew: false, expanded: 0 }
+        RecoveryPlan { steps, end, is_shortest: true, begins_anew: false, led: Vec::new(), expanded: 0 }
     }
 
     /// Whether an alarm of a cell waits for its answer.
@@ -71,6 +75,9 @@ impl RecoveryPlan {
 
 /// The shortest list of actions from a situation to auto.
 pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
+    if let Some(station) = situation.misfit {
+        return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Misfit(RestoreMisfit(station)));
+    }
     let is_in_auto = situation.mode == ControlMode::Auto && situation.enabled;
     if is_in_auto && situation.alarms.is_empty() {
         return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Auto);
@@ -82,7 +89,11 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
         mode: situation.mode,
         after: None,
     };
-    let answers = || situation.alarms.iter().map(|alarm| first(Need::Answer(alarm.clone())));
+    let answered = |alarm: &StandingAlarm, is_brought: bool| {
+        let bring = alarm.bring.filter(|_| !is_brought).map(|(station, rest)| first(Need::Bring(station, rest)));
+        bring.into_iter().chain([first(Need::Answer(alarm.clone()))])
+    };
+    let answers = |is_brought| situation.alarms.iter().flat_map(move |alarm| answered(alarm, is_brought));
     let led = situation.to_be_led(line);
     let mut steps: Vec<RecoveryStep> = before_all(line, situation).into_iter().map(first).collect();
     steps.extend(held(line, situation));
@@ -92,12 +103,14 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     };
     let alone: Vec<StationId> = line.station_ids().filter(|id| is_alone(&reports[id.index()], is_in_auto)).collect();
     if !alone.is_empty() && led.iter().all(|id| alone.contains(id)) {
-        steps.extend(beside_auto(line, situation, (&alone, &led), &reports));
-        steps.extend(answers());
-        return RecoveryPlan::ends(steps, RecoveryEnd::Auto);
+        let beside = beside_auto(line, situation, (&alone, &led), &reports);
+        steps.extend(beside.steps);
+        steps.extend(answers(false));
+        return RecoveryPlan { led: beside.led, ..RecoveryPlan::ends(steps, RecoveryEnd::Auto) };
     }
-    if situation.mode == ControlMode::Auto && (!is_in_auto || led.is_empty()) {
-        steps.extend((!is_in_auto).then(|| first(Need::Acknowledged)).into_iter().chain(answers()));
+    let is_to_bring = led.is_empty() && situation.alarms.iter().any(|alarm| alarm.bring.is_some());
+    if situation.mode == ControlMode::Auto && (!is_in_auto || (led.is_empty() && !is_to_bring)) {
+        steps.extend((!is_in_auto).then(|| first(Need::Acknowledged)).into_iter().chain(answers(false)));
         return RecoveryPlan::ends(steps, RecoveryEnd::Auto);
     }
     let halted;
@@ -107,9 +120,13 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
             true => RecoveryAction::First(Need::Halt),
             false => RecoveryAction::Command(ModeCommand::Stop),
         };
-        steps.push(RecoveryStep { mode: ControlMode::StandBy, action, ..first(Need::Halt) });
+        let mode = match led.is_empty() && reports.iter().all(|report| report.at_home) {
+            true => ControlMode::Home,
+            false => ControlMode::StandBy,
+        };
+        steps.push(RecoveryStep { mode, action, ..first(Need::Halt) });
         let left_out = line.station_ids().collect();
-        halted = LineSituation { mode: ControlMode::StandBy, left_out, ..situation.clone() };
+        halted = LineSituation { mode, left_out, ..situation.clone() };
         &halted
     } else {
         situation
@@ -138,7 +155,9 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
             .filter_map(|(id, unit)| unit.controller.position_lost().map(|(op, input)| (id, op, input)))
             .filter(|&(id, op, _)| line.station(id).index_of(op).is_none())
             .collect();
-        let mut found = by_commands_and_presses(line, situation, &led, units);
+        let brought = Some(&units).filter(|_| is_to_bring).and_then(|units| brought(line, situation, units));
+        let is_brought = brought.is_some();
+        let mut found = brought.unwrap_or_else(|| by_commands_and_presses(line, situation, &led, units));
         let is_open = matches!(found.end, RecoveryEnd::NoWay { .. });
         if is_open
             && let Some(&(station, op, input)) = lost.first()
@@ -153,7 +172,7 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
         steps.append(&mut by_hand);
         // Answered when what they ask for is done, and a resource is led to a rest by then.
         let last = found.steps.len() - usize::from(found.end == RecoveryEnd::Auto && !found.steps.is_empty());
-        found.steps.splice(last..last, answers());
+        found.steps.splice(last..last, answers(is_brought));
         steps.append(&mut found.steps);
         return RecoveryPlan { steps, ..found };
     }
@@ -170,24 +189,26 @@ fn beside_auto(
     situation: &LineSituation,
     (alone, led): (&[StationId], &[StationId]),
     reports: &[StationReport],
-) -> Vec<RecoveryStep> {
-    let mut steps = Vec::new();
+) -> RecoveryPlan {
+    let mut plan = RecoveryPlan::ends(Vec::new(), RecoveryEnd::Auto);
     if !led.is_empty() {
         let left_out = line.station_ids().collect();
         let manual = LineSituation { mode: ControlMode::Manual, left_out, ..situation.clone() };
         let units: Result<PlayedStations, RestoreMisfit> =
             line.station_ids().zip(reports).map(|(id, report)| unit(line, id, report).map(Rc::new)).collect();
-        let found = units.map(|units| by_commands_and_presses(line, &manual, led, units).steps).unwrap_or_default();
-        steps.extend(found.into_iter().filter(|step| !matches!(step.action, RecoveryAction::Command(_))));
+        if let Ok(units) = units {
+            plan = by_commands_and_presses(line, &manual, led, units);
+            plan.steps.retain(|step| !matches!(step.action, RecoveryAction::Command(_)));
+        }
     }
-    steps.extend(alone.iter().map(|&station| RecoveryStep {
+    plan.steps.extend(alone.iter().map(|&station| RecoveryStep {
         action: RecoveryAction::AutoAgain(station),
         moves: Vec::new(),
         is_doubtful: false,
         mode: ControlMode::Auto,
         after: None,
     }));
-    steps
+    plan
 }
 
 /// What has to be before anything else, and no command does.
@@ -282,6 +303,26 @@ fn fault_signals(station: &Station, report: &StationReport) -> Vec<InputId> {
     on
 }
 
+/// Stations at rests where nothing begins are brought to others in hand mode.
+fn brought(line: &Line, situation: &LineSituation, units: &PlayedStations) -> Option<RecoveryPlan> {
+    let way = bring::in_hand(line, situation, units.clone())?;
+    let held = |of: bring::HeldButton| {
+        let moved =
+            |&(id, place): &(StationId, StationPlace)| planned(line, id, place, of.after[id.index()].report.measured);
+        RecoveryStep {
+            moves: of.motions.iter().map(moved).collect(),
+            action: RecoveryAction::Hold { button: of.button, station: of.station, rest: of.rest },
+            is_doubtful: false,
+            mode: ControlMode::Hand,
+            after: None,
+        }
+    };
+    let mut steps: Vec<RecoveryStep> = way.to_hand.iter().map(|(command, desk)| commanded(*command, desk)).collect();
+    steps.extend(way.held.into_iter().map(held));
+    steps.extend(way.to_auto.iter().map(|(command, desk)| commanded(*command, desk)));
+    Some(RecoveryPlan::ends(steps, RecoveryEnd::Auto))
+}
+
 /// `led`: stations that an alarm asks to be led to a rest, though the mode does not depend on them.
 fn by_commands_and_presses(
     line: &Line,
@@ -321,12 +362,17 @@ fn by_commands_and_presses(
     let accepted = |units: &PlayedStations| to_auto(units).is_some();
     // Where selectors have led to manual the panels are not the console's.
     let stay: Vec<StationId> = situation.left_out.iter().copied().filter(|id| !led.contains(id)).collect();
-    let search = Search::new(&floor, &stay, !by_selectors, &accepted);
-    let found = match search.run(&desk.units) {
-        Ok(found) => found,
-        Err(failed) => {
-            let end = no_way(line, &desk.units, failed.is_certain);
-            return RecoveryPlan { expanded: failed.expanded, ..RecoveryPlan::ends(steps, end) };
+    let ends = CommonEnds::of(line, situation, led);
+    let search = |kept| Search::new(&floor, &stay, !by_selectors, (&ends, kept), &accepted);
+    let mut kept = KeptEnds::Decided;
+    let found = loop {
+        match (search(kept).run(&desk.units), ends.looser(kept)) {
+            (Ok(found), _) => break found,
+            (Err(_), Some(looser)) => kept = looser,
+            (Err(failed), None) => {
+                let end = no_way(line, &desk.units, failed.is_certain);
+                return RecoveryPlan { expanded: failed.expanded, ..RecoveryPlan::ends(steps, end) };
+            }
         }
     };
     let last = found.moves.last().map_or_else(|| desk.units.clone(), |last| last.after.clone());
@@ -348,8 +394,9 @@ fn by_commands_and_presses(
     for (command, desk) in to_auto(&last).into_iter().flatten() {
         steps.push(commanded(command, &desk));
     }
-    let (end, begins_anew) = (RecoveryEnd::Auto, search.leads_home(&last));
-    RecoveryPlan { steps, end, is_shortest: found.is_shortest, begins_anew, expanded: found.expanded }
+    let (end, begins_anew) = (RecoveryEnd::Auto, search(kept).leads_home(&last));
+    let led = ends.led(&last);
+    RecoveryPlan { steps, end, is_shortest: found.is_shortest, begins_anew, led, expanded: found.expanded }
 }
 
 fn commanded(command: ModeCommand, after: &Desk) -> RecoveryStep {

@@ -14,6 +14,7 @@ use linewright_station_logic::RejoinAt;
 use rustc_hash::FxHashMap;
 
 use crate::distance::{Aim, Cost, Distances};
+use crate::ends::{CommonEnds, KeptEnds};
 use crate::step::{PanelButton, RecoveryAction};
 use crate::units::{PlayedLine, PlayedStations, Resumed};
 
@@ -87,6 +88,9 @@ pub(crate) struct Search<'f, 'l> {
     left_out: &'f [StationId],
     /// Resume takes effect.
     resumes: bool,
+    /// Stations of one activity end it alike.
+    ends: &'f CommonEnds,
+    kept: KeptEnds,
     accepted: &'f dyn Fn(&PlayedStations) -> bool,
 }
 
@@ -102,12 +106,13 @@ impl<'f, 'l> Search<'f, 'l> {
         floor: &'f PlayedLine<'l>,
         left_out: &'f [StationId],
         resumes: bool,
+        (ends, kept): (&'f CommonEnds, KeptEnds),
         accepted: &'f dyn Fn(&PlayedStations) -> bool,
     ) -> Self {
         let line: &'l Line = floor.line;
         let compares = |id| line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
         let compares = line.station_ids().map(compares).collect();
-        Search { floor, distances: Distances::new(line), compares, left_out, resumes, accepted }
+        Search { floor, distances: Distances::new(line), compares, left_out, resumes, ends, kept, accepted }
     }
 
     fn is_task_driven(&self, station: usize) -> bool {
@@ -137,7 +142,8 @@ impl<'f, 'l> Search<'f, 'l> {
 
     fn is_goal(&self, units: &PlayedStations) -> bool {
         let aim = self.aim(units);
-        (0..units.len()).all(|station| self.is_placed(units, station, aim)) && (self.accepted)(units)
+        let is_placed = (0..units.len()).all(|station| self.is_placed(units, station, aim));
+        is_placed && self.ends.agree(units, self.kept) && (self.accepted)(units)
     }
 
     /// The least that is left. One *resume* may stand for a press at each station that has something to be led on, or may have

@@ -2,7 +2,7 @@
 
 use linewright_coordinator_logic::ModeStanding;
 use linewright_line::net::ControlMode;
-use linewright_line::{InputId, Line, OpId, StationId};
+use linewright_line::{InputId, Line, OpId, RestId, StationId};
 use linewright_station_logic::StationReport;
 
 /// State of the console's devices.
@@ -16,6 +16,23 @@ pub enum ConsoleSituation {
     Lost,
 }
 
+/// A way out of the tasks of an activity that was stopped half-way: an activity is done at every station, or at none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ActivityEnd {
+    /// Every station goes on to the end of its task.
+    Done,
+    /// Every station goes back to where its task began.
+    TakenBack,
+}
+
+/// The end to which the stations of an alarm have to be led.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DecidedEnd {
+    pub end: ActivityEnd,
+    /// Why, e.g. a station that has completed its order.
+    pub because: String,
+}
+
 /// An alarm of a cell that waits for its answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StandingAlarm {
@@ -24,10 +41,16 @@ pub struct StandingAlarm {
     pub text: String,
     /// What can be answered, when it is done.
     pub answers: Vec<String>,
+    /// What each of them says; may be shorter.
+    pub meanings: Vec<String>,
     /// Stations that are to be led to a rest by hand before that.
     pub lead: Vec<StationId>,
     /// Those of them that are in emergency stop by themselves, to be reset before they are led.
     pub reset: Vec<StationId>,
+    /// Which way; none where either will do, for all of them alike.
+    pub end: Option<DecidedEnd>,
+    /// The station that is to be brought to another rest in hand mode before that, and the rest.
+    pub bring: Option<(StationId, RestId)>,
 }
 
 /// A situation of a line.
@@ -50,6 +73,8 @@ pub struct LineSituation {
     pub alarms: Vec<StandingAlarm>,
     /// What else keeps every mode from being given, in words: a second coordinator, a journal that cannot be written.
     pub obstacles: Vec<String>,
+    /// A station whose node runs with another description.
+    pub misfit: Option<StationId>,
     /// By station; none where it is not heard.
     pub stations: Vec<Option<StationReport>>,
 }
@@ -69,6 +94,7 @@ impl LineSituation {
             left_out: Vec::new(),
             alarms: Vec::new(),
             obstacles: Vec::new(),
+            misfit: None,
             stations,
         }
     }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
-use linewright_line::{InputId, OpId, StationId};
+use linewright_line::{ButtonId, InputId, OpId, RestId, StationId};
 use linewright_station_logic::RejoinAt;
 
 use crate::situation::StandingAlarm;
@@ -42,6 +42,8 @@ pub enum Need {
     Selector(StationId, InputId),
     /// A station that is in emergency stop by itself is to be reset.
     Reset(StationId),
+    /// A station is to be brought to this rest, as its alarm says.
+    Bring(StationId, RestId),
     /// The line is to halt, as master stop has ordered.
     Halt,
     /// Every station is to acknowledge the mode.
@@ -63,6 +65,12 @@ pub enum RecoveryAction {
     Press(StationId, PanelButton),
     /// Held at the console until what it leads on has arrived at every station, then released.
     Resume,
+    /// A hand-mode button of the console, held until this station stands at this rest, then released.
+    Hold {
+        button: ButtonId,
+        station: StationId,
+        rest: RestId,
+    },
     /// A station's selector: true is manual.
     Selector(StationId, bool),
     /// A person looks and confirms where the station stands.
@@ -121,7 +129,7 @@ impl RecoveryAction {
             RecoveryAction::Press(station, _)
             | RecoveryAction::Selector(station, _)
             | RecoveryAction::AutoAgain(station) => Some(*station),
-            RecoveryAction::Rejoin { station, .. } => Some(*station),
+            RecoveryAction::Rejoin { station, .. } | RecoveryAction::Hold { station, .. } => Some(*station),
         }
     }
 }
@@ -133,7 +141,10 @@ impl Need {
             Need::Heard(station) | Need::Devices(station) | Need::Standstill(station) | Need::Reset(station) => {
                 Some(*station)
             }
-            Need::FaultSignal(station, _) | Need::Selector(station, _) | Need::Axis { station, .. } => Some(*station),
+            Need::FaultSignal(station, _)
+            | Need::Selector(station, _)
+            | Need::Bring(station, _)
+            | Need::Axis { station, .. } => Some(*station),
             Need::Console | Need::Button | Need::Halt | Need::Acknowledged | Need::Answer(_) | Need::Other(_) => None,
         }
     }

@@ -7,8 +7,10 @@ use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{AxisId, Line, OpId, Owner, Station, StationId};
 use linewright_station_logic::RejoinAt;
 
+use crate::ends::LedActivity;
 use crate::image;
 use crate::plan::{RecoveryEnd, RecoveryPlan};
+use crate::situation::ActivityEnd;
 use crate::step::{Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep};
 
 impl PanelButton {
@@ -46,10 +48,18 @@ impl Need {
                 )
             }
             Need::Reset(_) => "in emergency stop by itself: reset it with `linewright resource`".to_owned(),
+            Need::Bring(station, rest) => {
+                format!("bring it to rest \"{}\", as its alarm says", line.station(*station).rests[rest.index()].name)
+            }
             Need::Halt => "wait until the others have ended their tasks, and the mode is stand-by".to_owned(),
             Need::Acknowledged => "wait until every station has acknowledged the mode".to_owned(),
             Need::Answer(alarm) => {
-                let answers = alarm.answers.join(" or ");
+                let meaning = |at: usize| alarm.meanings.get(at).filter(|text| !text.is_empty());
+                let answer = |(at, word): (usize, &String)| match meaning(at) {
+                    Some(text) => format!("{word} ({text})"),
+                    None => word.clone(),
+                };
+                let answers = alarm.answers.iter().enumerate().map(answer).collect::<Vec<_>>().join(" or ");
                 format!("alarm {}: {} Then answer by what is so at the machine now: {answers}", alarm.id, alarm.text)
             }
             Need::Other(text) => text.clone(),
@@ -171,6 +181,16 @@ impl RecoveryStep {
             RecoveryAction::Selector(station, manual) => {
                 format!("{}: selector to {}", name(*station), if *manual { "manual" } else { "auto" })
             }
+            RecoveryAction::Hold { button, station, rest } => {
+                let moves = self.moves.iter().map(|motion| format!("{} {}", name(motion.station), motion.text(line)));
+                format!(
+                    "hold {} until {} stands at rest \"{}\": {}",
+                    line.buttons[button.index()],
+                    name(*station),
+                    line.station(*station).rests[rest.index()].name,
+                    moves.collect::<Vec<_>>().join(", then ")
+                )
+            }
             RecoveryAction::Press(station, button) if self.moves.is_empty() => {
                 let places = self.after.iter().flat_map(|after| &after.places);
                 let places: Vec<String> = places.map(|&place| place_text(line, *station, place)).collect();
@@ -238,6 +258,12 @@ impl RecoveryStep {
         }
     }
 
+    /// Seconds for which a button is held whose motions follow each other, or may have to.
+    fn hold_for_all(&self, line: &Line) -> f64 {
+        let all: Duration = self.moves.iter().map(|motion| motion.time).sum();
+        (all * 3 / 2 + Duration::from_millis(500)).max(self.hold(line)).as_secs_f64()
+    }
+
     /// The commands of `linewright` for it, as arguments with `LINE` for the line. Of several one is given, by what is so at the
     /// machine; none for what no command does.
     pub fn commands(&self, line: &Line) -> Vec<Vec<String>> {
@@ -258,10 +284,12 @@ impl RecoveryStep {
                 let time = self.hold(line).as_secs_f64();
                 words(&["press", "LINE", button.name(), "--station", &name(*station), "--for", &format!("{time:.1}")])
             }
+            RecoveryAction::Hold { button, .. } => {
+                let time = self.hold_for_all(line);
+                words(&["press", "LINE", &line.buttons[button.index()], "--for", &format!("{time:.1}")])
+            }
             RecoveryAction::Resume => {
-                // They may have to wait for each other.
-                let all: Duration = self.moves.iter().map(|motion| motion.time).sum();
-                let time = (all * 3 / 2 + Duration::from_millis(500)).max(self.hold(line)).as_secs_f64();
+                let time = self.hold_for_all(line);
                 words(&["press", "LINE", "resume", "--for", &format!("{time:.1}")])
             }
             RecoveryAction::Selector(station, manual) => {
@@ -282,6 +310,40 @@ impl RecoveryStep {
             }
         };
         vec![one]
+    }
+}
+
+/// A station that has been led to an end of its task, as a reason for the others of its activity.
+pub(crate) fn reached(line: &Line, station: StationId, end: ActivityEnd) -> String {
+    let name = &line.station(station).name;
+    match end {
+        ActivityEnd::Done => format!("{name} stands at the end of its task"),
+        ActivityEnd::TakenBack => format!("{name} stands where its task began"),
+    }
+}
+
+impl LedActivity {
+    /// Which way its stations are led, and why.
+    pub fn text(&self, line: &Line) -> String {
+        let names: Vec<&str> = self.stations.iter().map(|id| line.station(*id).name.as_str()).collect();
+        let names = names.join(" and ");
+        let (are, their) = if self.stations.len() > 1 { ("are", "their tasks") } else { ("is", "its task") };
+        let Some(end) = self.end else {
+            return format!(
+                "alarm {}: {names} cannot be led to the same end of {their}: see where the part is, and answer by that",
+                self.alarm
+            );
+        };
+        let (way, other) = match end {
+            ActivityEnd::Done => (format!("led on to the end of {their}"), "back"),
+            ActivityEnd::TakenBack => (format!("led back to where {their} began"), "on"),
+        };
+        let why = match &self.decided {
+            Some(decided) if decided.end == end => format!("since {}", decided.because),
+            Some(decided) => format!("although {}: no presses lead {other}", decided.because),
+            None => "which is shorter".to_owned(),
+        };
+        format!("alarm {}: {names} {are} {way}, {why}", self.alarm)
     }
 }
 

@@ -13,8 +13,11 @@ fn alarm(lead: &[StationId], reset: &[StationId]) -> StandingAlarm {
         id: 3,
         text: "M1.process failed. Answer where the part is.".to_owned(),
         answers: vec!["as-before".to_owned(), "gone".to_owned()],
+        meanings: vec!["not done, part at M1".to_owned()],
         lead: lead.to_vec(),
         reset: reset.to_vec(),
+        end: None,
+        bring: None,
     }
 }
 
@@ -108,7 +111,9 @@ fn an_alarm_in_auto_is_a_step() {
     let found = plan(&line, &seen);
     let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
     assert!(
-        texts.len() == 1 && texts[0].ends_with("Then answer by what is so at the machine now: as-before or gone"),
+        texts.len() == 1
+            && texts[0]
+                .ends_with("Then answer by what is so at the machine now: as-before (not done, part at M1) or gone"),
         "{texts:#?}"
     );
     assert!(found.has_alarms());

@@ -3,6 +3,8 @@
 mod alarms;
 mod brute_force;
 mod cells;
+mod commands;
+mod ends;
 mod operator;
 mod random_plays;
 mod resume;

@@ -75,6 +75,11 @@ pub fn follow(sim: &mut LineSim, step: &RecoveryStep) {
             run_for(sim, all.mul_f64(1.3) + Duration::from_millis(500));
             act(sim, OperatorAction::Resume(false));
         }
+        RecoveryAction::Hold { button, .. } => {
+            act(sim, OperatorAction::Buttons(1 << button.0));
+            run_for(sim, Duration::from_secs(20));
+            act(sim, OperatorAction::Buttons(0));
+        }
         RecoveryAction::AutoAgain(_) => panic!("no station is in manual by itself: {}", described(sim)),
         RecoveryAction::Selector(station, manual) => act(sim, OperatorAction::Selector(*station, *manual)),
         RecoveryAction::Rejoin { station, at, .. } => {

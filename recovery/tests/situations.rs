@@ -6,7 +6,7 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, MotionStage, StationPlace};
 use linewright_line::{Line, StationId};
 use linewright_plant::MotionFault;
-use linewright_recovery::{Need, RecoveryAction, RecoveryEnd, RecoveryStep, StationAfter, plan};
+use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryStep, StationAfter, plan};
 use linewright_simulation::{LineSim, MotionSelection, NodeProcess, OperatorAction};
 use linewright_station_logic::RejoinAt;
 use linewright_testkit::built::transfer_line;
@@ -255,7 +255,7 @@ fn where_a_position_is_to_be_confirmed_that_comes_before_a_press() {
         command(&mut sim, ModeCommand::EStop);
         situation(&sim)
     };
-    let is_lowering = |seen: &linewright_recovery::LineSituation| {
+    let is_lowering = |seen: &LineSituation| {
         let report = seen.stations[bar.index()].as_ref().expect("it is heard");
         report.incomplete.iter().any(|&(op, _)| op == lower)
     };
@@ -305,4 +305,18 @@ fn a_station_that_is_to_be_confirmed_is_named_with_where_it_stands() {
         RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: Some(after), is_doubtful: false };
     let expected = "clamp_1: look, and if it stands so (advance clamp done: stroke at 60, LS_closed on): rejoin";
     assert_eq!(step.text(&line), expected);
+}
+
+#[test]
+fn a_station_with_another_description_ends_the_list_at_once() {
+    let line = transfer_line();
+    let stations = line.station_ids().map(|_| None).collect();
+    let seen = LineSituation { misfit: Some(StationId(1)), ..LineSituation::of(&line, ControlMode::StandBy, stations) };
+    let found = plan(&line, &seen);
+    assert!(found.steps.is_empty());
+    let text = found.end_text(&line).concat();
+    assert_eq!(
+        text,
+        format!("{}: its report does not fit this description; give the one that it runs with", line.stations[1].name)
+    );
 }

@@ -20,7 +20,7 @@ use clap::{Args, Subcommand};
 use linewright_canopen::NodeId;
 use linewright_fieldbus::{Bus, BusDirectory, BusOptions, find_bus, place};
 use linewright_line::Line;
-use linewright_node_shell::{RosArgs, bus_managed_by, lines_managing, names};
+use linewright_node_shell::{RosArgs, RunName, bus_managed_by, lines_managing, names};
 use miette::{IntoDiagnostic, miette};
 
 use crate::nodes::DEFAULT_BUS;
@@ -28,8 +28,6 @@ use crate::nodes::DEFAULT_BUS;
 pub use fail::{FailArgs, fail};
 pub use log::{DumpArgs, dump};
 
-/// Between a line and its ROS domain in the name of a run.
-const DOMAIN: &str = " in ROS domain ";
 /// What keeps a command from another line's bus.
 const SEPARATE_LINES: &str = "is this line running? --bus names its bus, as at its start. Lines on one machine have buses of their own if \
      each is started without LINEWRIGHT_BUS_DIR, or with a directory of its own in it, which its commands need too; runs of one line \
@@ -99,7 +97,8 @@ fn open(name: &str, run: Option<&str>) -> miette::Result<Bus> {
     let mut found = find_bus(name, None);
     if let Some(run) = run {
         let own = find_bus(name, Some(run));
-        let of_line = |found: &BusDirectory| found.about.as_deref().is_none_or(|about| is_of_line(about, run));
+        let of_line =
+            |found: &BusDirectory| found.about.as_deref().is_none_or(|about| RunName::is_same_line(about, run));
         let (own, others) = if own.is_empty() { found.into_iter().partition(of_line) } else { (own, Vec::new()) };
         if let Some(about) = others.first().and_then(|other| other.about.as_deref()).filter(|_| own.is_empty()) {
             return Err(other_line(name, about, run));
@@ -109,19 +108,14 @@ fn open(name: &str, run: Option<&str>) -> miette::Result<Bus> {
     let options = options(name, found)?;
     if let Some(run) = run {
         let managing = lines_managing(name, &place(name, &options));
-        if let Some(other) = managing.first().filter(|_| !managing.iter().any(|line| is_of_line(line, run))) {
+        if let Some(other) = managing.first().filter(|_| !managing.iter().any(|line| RunName::is_same_line(line, run)))
+        {
             return Err(other_line(name, other, run));
         }
     }
     let bus = Bus::open(name, &options).into_diagnostic()?;
     crate::out::complain!("{}", bus.describe());
     Ok(bus)
-}
-
-/// Whether two runs are of one line, in whatever ROS domain.
-fn is_of_line(of: &str, run: &str) -> bool {
-    let line = |run: &'_ str| run.split_once(DOMAIN).map_or(run.to_owned(), |(line, _)| line.to_owned());
-    line(of) == line(run)
 }
 
 /// The bus of this name is another line's.
@@ -153,7 +147,7 @@ fn options(name: &str, found: Vec<BusDirectory>) -> miette::Result<BusOptions> {
 /// Name of a run of a line in its bus directory.
 pub fn run_of(line: &Line, ros: &RosArgs) -> miette::Result<String> {
     let namespace = names::identify(&ros.remaps, &format!("/{}", line.name), "coordinator").into_diagnostic()?.0;
-    Ok(format!("line {namespace}{DOMAIN}{}", ros.domain_id))
+    Ok(RunName::of(&namespace, ros.domain_id))
 }
 
 fn since_epoch() -> Duration {

@@ -13,9 +13,9 @@ use std::time::{Duration, Instant};
 use linewright_fieldbus::Clock;
 use linewright_line::Line;
 use linewright_msgs::{
-    AnswerAlarm, AnswerAlarmRequest, Bounded, CellState, ChangeOrder, ChangeOrderRequest, ProductionRequest,
-    ProductionState, RosService, SetResource, SetResourceRequest, SubmitOrders, SubmitOrdersRequest, WhyNot,
-    WhyNotRequest,
+    AlarmState, AnswerAlarm, AnswerAlarmRequest, Bounded, CellState, ChangeOrder, ChangeOrderRequest,
+    ProductionRequest, ProductionState, RosService, SetResource, SetResourceRequest, SubmitOrders, SubmitOrdersRequest,
+    WhyNot, WhyNotRequest,
 };
 use linewright_node_shell::{CallError, Caller, Forward, Mapping, RosArgs, RosNode, forward, fresh_key, qos};
 use linewright_station_shell::NewestBySequence;
@@ -174,6 +174,16 @@ impl CellClient {
         let response = ask(&self.resource, &asked).await?;
         done(response.accepted, &response.reason)
     }
+}
+
+/// The answers to an alarm, each with what it says.
+pub fn answers(alarm: &AlarmState) -> String {
+    let meaning = |at: usize| alarm.meanings.get(at).filter(|text| !text.is_empty());
+    let answer = |(at, word): (usize, &String)| match meaning(at) {
+        Some(text) => format!("{word} ({text})"),
+        None => word.clone(),
+    };
+    alarm.answers.iter().enumerate().map(answer).collect::<Vec<_>>().join(", ")
 }
 
 /// The user, for the coordinator's log.

@@ -12,7 +12,7 @@ use miette::miette;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{CellClient, request};
+use super::{CellClient, answers, request};
 use crate::load;
 use crate::out::{self, say};
 
@@ -173,7 +173,11 @@ impl CellJson {
 
 fn alarms(state: &CellState) -> Vec<Value> {
     let alarms = state.alarms.as_slice().iter();
-    alarms.map(|alarm| json!({ "id": alarm.id, "text": alarm.text, "answers": alarm.answers })).collect()
+    alarms
+        .map(
+            |alarm| json!({ "id": alarm.id, "text": alarm.text, "answers": alarm.answers, "meanings": alarm.meanings }),
+        )
+        .collect()
 }
 
 fn list(state: &CellState) -> String {
@@ -274,7 +278,7 @@ fn answered(alarm: u64, word: &str, left_out: &[String], cell: &str) -> String {
 /// The alarms that stand, with their answers.
 fn standing(state: &CellState) -> Vec<String> {
     let alarms = state.alarms.as_slice().iter();
-    alarms.map(|alarm| format!("alarm {}: {} Answers: {}", alarm.id, alarm.text, alarm.answers.join(", "))).collect()
+    alarms.map(|alarm| format!("alarm {}: {} Answers: {}", alarm.id, alarm.text, answers(alarm))).collect()
 }
 
 /// What has become of an answer that was compared with the sensors.

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::Block;
 use linewright_line::{Line, OperationModule};
-use linewright_recovery::{Need, PlannedMotion, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep};
+use linewright_recovery::{
+    ActivityEnd, LedActivity, Need, PlannedMotion, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep,
+};
 use serde::Serialize;
 
 use crate::client::OperatorClient;
@@ -24,7 +26,34 @@ pub struct RecoveryJson {
     /// Faults that stand, as their stations report them.
     causes: Vec<CauseJson>,
     shortest: bool,
+    /// Activities of a cell whose stations are led.
+    activities: Vec<LedJson>,
     steps: Vec<StepJson>,
+}
+
+/// To which end the stations of an activity are led.
+#[derive(Serialize)]
+struct LedJson {
+    alarm: u64,
+    stations: Vec<String>,
+    /// `done`, `taken back`; null where they end differently.
+    end: Option<&'static str>,
+    text: String,
+}
+
+impl LedJson {
+    fn of(line: &Line, led: &LedActivity) -> Self {
+        let end = |end| match end {
+            ActivityEnd::Done => "done",
+            ActivityEnd::TakenBack => "taken back",
+        };
+        LedJson {
+            alarm: led.alarm,
+            stations: led.stations.iter().map(|id| line.station(*id).name.clone()).collect(),
+            end: led.end.map(end),
+            text: led.text(line),
+        }
+    }
 }
 
 /// A fault of a station.
@@ -104,6 +133,7 @@ impl StepJson {
             RecoveryAction::Command(command) => ("command", None, Some(command.name())),
             RecoveryAction::AutoAgain(_) => ("auto_again", None, Some(ModeCommand::Auto.name())),
             RecoveryAction::Press(_, button) => ("press", Some(button.name()), None),
+            RecoveryAction::Hold { .. } => ("hold", None, None),
             RecoveryAction::Resume => ("resume", None, None),
             RecoveryAction::Selector(_, manual) => ("selector", Some(if *manual { "manual" } else { "auto" }), None),
             RecoveryAction::Rejoin { .. } => ("rejoin", None, None),
@@ -152,6 +182,9 @@ impl RecoveryJson {
                 .map(|(station, state)| CauseJson { station: station.to_owned(), text: state.fault.clone() })
                 .collect(),
             shortest: plan.is_some_and(|plan| plan.is_shortest),
+            activities: plan
+                .map(|plan| plan.led.iter().map(|led| LedJson::of(line, led)).collect())
+                .unwrap_or_default(),
             steps: plan
                 .map(|plan| plan.steps.iter().map(|step| StepJson::of(line, path, step)).collect())
                 .unwrap_or_default(),

@@ -39,7 +39,14 @@ mod tests {
     }
 
     fn plan(steps: Vec<RecoveryStep>) -> RecoveryPlan {
-        RecoveryPlan { steps, end: RecoveryEnd::Auto, is_shortest: true, begins_anew: false, expanded: 0 }
+        RecoveryPlan {
+            steps,
+            end: RecoveryEnd::Auto,
+            is_shortest: true,
+            begins_anew: false,
+            led: Vec::new(),
+            expanded: 0,
+        }
     }
 
     fn press() -> RecoveryStep {

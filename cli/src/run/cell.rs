@@ -9,7 +9,7 @@ use linewright_msgs::{CellState, ProductionState};
 use linewright_node_shell::RosArgs;
 use miette::miette;
 
-use crate::cell::{CellClient, is_over, request};
+use crate::cell::{CellClient, answers, is_over, request};
 
 /// A cell that runs.
 pub struct CellRun {
@@ -54,7 +54,7 @@ impl CellRun {
         let mut lines = Vec::new();
         for alarm in state.alarms.as_slice() {
             if self.shown.insert(alarm.id) {
-                lines.push(format!("alarm {}: {} Answer: {}.", alarm.id, alarm.text, alarm.answers.join(", ")));
+                lines.push(format!("alarm {}: {} Answer: {}.", alarm.id, alarm.text, answers(alarm)));
             }
         }
         let newest = state.activities.as_slice().iter().map(|activity| activity.id).max().unwrap_or(0);
@@ -102,6 +102,11 @@ impl CellRun {
     /// Number of parts made of those ordered here, and number ordered.
     pub fn made(&self) -> (u32, u32) {
         (self.ours().map(|order| order.done).sum(), self.wanted.iter().map(|(_, count)| count).sum())
+    }
+
+    /// Alarms that were raised, and parts ordered here that were lost and made again.
+    pub fn exceptions(&self) -> (usize, u32) {
+        (self.shown.len(), self.ours().map(|order| order.lost).sum())
     }
 
     /// Number of parts that have left since the cell was first heard.

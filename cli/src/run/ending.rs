@@ -32,12 +32,15 @@ impl Session {
         let mode = self.client.coordinator().map_or("no state received", |state| mode_name(state.mode));
         let mut report = self.tally.report(mode, &self.observer, restarts, error.clone());
         (report.parts_made, report.parts_wanted) = parts.unzip();
+        (report.alarms, report.parts_lost) = self.cell.as_ref().map(CellRun::exceptions).unzip();
         if args.json {
             crate::out::say!("{}", serde_json::to_string(&report).into_diagnostic()?);
         } else {
+            let exceptions = self.cell.as_ref().map(CellRun::exceptions).unwrap_or_default();
             let done = done(parts, self.cell.as_ref().map(CellRun::left), report.cycles);
             crate::out::say!(
-                "{done}, {of_faults}, {} conflicts seen in {} CAN frames",
+                "{done}, {of_faults}{}, {} conflicts seen in {} CAN frames",
+                of_exceptions(exceptions),
                 conflicts.len(),
                 report.frames_seen
             );
@@ -82,9 +85,19 @@ fn done(ordered: Option<(u32, u32)>, left: Option<u64>, cycles: usize) -> String
     }
 }
 
+/// Alarms, and parts that were lost and made again; empty where there was nothing.
+fn of_exceptions((alarms, lost): (usize, u32)) -> String {
+    let some = |count: usize, one: &str, more: &str| match count {
+        0 => String::new(),
+        1 => format!(", 1 {one}"),
+        _ => format!(", {count} {more}"),
+    };
+    some(alarms, "alarm", "alarms") + &some(lost as usize, "part lost", "parts lost")
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{done, unobserved};
+    use super::{done, of_exceptions, unobserved};
 
     #[test]
     fn a_conflict_that_the_frames_do_not_show_is_left_to_check() {
@@ -103,5 +116,7 @@ mod tests {
         assert_eq!(done(None, Some(4), 0), "4 parts have left");
         assert_eq!(done(None, Some(1), 0), "1 part has left");
         assert_eq!(done(None, None, 7), "7 cycles");
+        assert_eq!(of_exceptions((0, 0)), "");
+        assert_eq!(of_exceptions((2, 1)), ", 2 alarms, 1 part lost");
     }
 }

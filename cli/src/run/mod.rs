@@ -4,6 +4,7 @@
 //! to auto as an operator would, shows it, and stops it at home. It commands and reads over the same ROS topics as any
 //! user; the only addition is an observer of the CAN frames that looks for conflicts.
 
+mod auto_once;
 mod cell;
 pub mod chart;
 mod children;
@@ -35,6 +36,7 @@ use crate::load;
 use crate::nodes::DEFAULT_BUS;
 use crate::parts::{PartList, at_least_1};
 use crate::watch::{PICTURE_EVERY, Screen, WatchState};
+use auto_once::AutoOnce;
 use cell::CellRun;
 use children::Children;
 use directory::RunDirectory;
@@ -154,7 +156,8 @@ struct Session {
     startup: StartUp,
     target: Option<usize>,
     cell: Option<CellRun>,
-    no_auto: bool,
+    /// What it gives on the way to auto.
+    auto_once: AutoOnce,
     /// One of the buses is virtual at least, and so may those of the nodes be.
     virtual_bus: bool,
     /// The picture is shown on a terminal.
@@ -224,7 +227,7 @@ impl Session {
             startup: StartUp::default(),
             target: args.cycles,
             cell: None,
-            no_auto: args.no_auto,
+            auto_once: if args.no_auto { AutoOnce::by_others() } else { AutoOnce::default() },
             virtual_bus,
             live,
             json: args.json,
@@ -369,7 +372,7 @@ impl Session {
             StopStep::Stands => {
                 return Err(miette!("the stop ended in {}", self.why()));
             }
-            StopStep::Command => self.say("stop"),
+            StopStep::Command => _ = self.say("stop"),
             StopStep::Wait => {}
         }
         if since.elapsed() > self.patience {
@@ -390,16 +393,7 @@ impl Session {
         }
         let Some(state) = self.client.coordinator().cloned() else { return self.wait() };
         match self.phase {
-            RunPhase::Starting => match state.mode {
-                StationState::MODE_HOME if !self.no_auto && self.all_ready() => self.say("start"),
-                StationState::MODE_STANDBY if !self.no_auto && self.all_ready() => self.say("auto"),
-                StationState::MODE_AUTO if state.enabled => {
-                    self.tally.begin(&state.header);
-                    self.progress.since = Instant::now();
-                    self.phase = RunPhase::Running;
-                }
-                _ => {}
-            },
+            RunPhase::Starting => self.begin(&state),
             RunPhase::Running | RunPhase::Stopping(_) => {}
         }
         self.wait()
@@ -468,11 +462,14 @@ impl Session {
         self.line.station_ids().map(|id| self.client.station(id))
     }
 
-    fn say(&mut self, word: &str) {
-        if self.said.is_none_or(|at| at.elapsed() >= REPEAT) {
+    /// Gives a command, unless that was a moment ago; whether it does.
+    fn say(&mut self, word: &str) -> bool {
+        let is_due = self.said.is_none_or(|at| at.elapsed() >= REPEAT);
+        if is_due {
             self.said = Some(Instant::now());
             self.client.command(word);
         }
+        is_due
     }
 }
 

@@ -1,10 +1,13 @@
 //! The first seconds of a run as lines of progress: that it starts, and the mode when everything is there. What is missing on the way
 //! changes many times within a second; it is named if it is still missing after a while.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use linewright_line::Line;
 use linewright_msgs::{LineState, StationEvent, StationState};
+
+use super::auto_once::AutoStep;
+use super::{RunPhase, Session};
 
 /// Time for stations and devices to come up before what is missing is named.
 const NAMED_AFTER: Duration = Duration::from_secs(5);
@@ -62,6 +65,28 @@ pub fn buses(buses: &[(String, String, bool)]) -> Vec<String> {
         }
     }
     lines
+}
+
+impl Session {
+    /// Brings the line to auto, once.
+    pub(super) fn begin(&mut self, state: &LineState) {
+        let ready = self.all_ready();
+        match self.auto_once.next(state, ready) {
+            AutoStep::Give(command) if self.say(command) => self.print(&format!("gives {command}")),
+            AutoStep::Give(_) | AutoStep::Wait => {}
+            AutoStep::InAuto => {
+                self.tally.begin(&state.header);
+                self.progress.since = Instant::now();
+                self.phase = RunPhase::Running;
+            }
+            AutoStep::HandsOver => {
+                self.note(format!(
+                    "not in auto yet, and now {}: another has changed the mode, who gives auto then",
+                    state.text
+                ));
+            }
+        }
+    }
 }
 
 #[cfg(test)]

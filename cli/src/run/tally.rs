@@ -55,6 +55,12 @@ pub struct RunReport {
     /// Number of parts ordered.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parts_wanted: Option<u32>,
+    /// Alarms of the cell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alarms: Option<usize>,
+    /// Parts ordered that were lost and made again.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parts_lost: Option<u32>,
     /// The mode at the end.
     pub mode: String,
     /// Time of each cycle, end to end, in seconds; the first one from the start of auto.
@@ -205,6 +211,8 @@ impl RunTally {
         RunReport {
             parts_made: None,
             parts_wanted: None,
+            alarms: None,
+            parts_lost: None,
             line: self.line.name.clone(),
             cycles: self.cycles(),
             mode: mode.to_owned(),

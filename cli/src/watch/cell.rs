@@ -11,7 +11,7 @@ use linewright_station_logic::StationWait;
 use serde::Serialize;
 
 use super::wrapped;
-use crate::cell::{CellJson, is_over};
+use crate::cell::{CellJson, answers, is_over};
 
 /// Why resources are left out, by their names, as far as the coordinator has answered.
 pub type ReasonsByResource = BTreeMap<String, Vec<String>>;
@@ -77,7 +77,7 @@ fn fitted(sections: &[Section], height: usize) -> Vec<String> {
 }
 
 fn alarm(of: &AlarmState) -> String {
-    format!("{}: {} Answers: {}", of.id, of.text, of.answers.join(", "))
+    format!("{}: {} Answers: {}", of.id, of.text, answers(of))
 }
 
 /// The coordinator's answer for a resource, sentences of which the first begins with its name. Of alarms, which are shown

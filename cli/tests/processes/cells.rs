@@ -64,7 +64,10 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back() {
     for part in ["R came to M1 without part 1 (order A of run ", ", 1 of 1). Put the part back into slot 1 of ST."] {
         assert!(alarm.contains(part), "{part}: {alarm}");
     }
-    assert!(alarm.contains("in-store, in-machine, scrap"), "{alarm}");
+    assert!(
+        alarm.contains("in-store (once more, part at ST), in-machine (done, part at M1), scrap (part gone)"),
+        "{alarm}"
+    );
     let why = rig.said(&["why"], &["part", "1"]).expect("it is known");
     assert!(why.contains("waits for an answer to alarm 1"), "{why}");
     let why = rig.said(&["why"], &["R"]).expect("a resource is known");
@@ -97,7 +100,7 @@ fn is_watched(rig: &Rig) {
     let whole = picture.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in [
         "alarms: 1: R came to M1 without part 1 (order A of run ",
-        "Answers: in-store, in-machine, scrap",
+        "Answers: in-store (once more, part at ST), in-machine (done, part at M1), scrap (part gone)",
         "of part 1 for",
         "failed, waits for an answer to alarm 1",
         "parts: 1 inside, 0 have left",

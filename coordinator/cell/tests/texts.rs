@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::dispatch::{DispatchRule, Measure};
 use linewright_coordinator_cell::exception::{
-    AlarmAnswerRefusal, ExceptionStage, OutOfServiceReason, RecoveryDecision, ResourceRequest, Strategy, Whereabouts,
+    AlarmAnswerRefusal, ExceptionStage, LeadDirection, OutOfServiceReason, RecoveryDecision, ResourceRequest, Strategy,
+    Whereabouts,
 };
 use linewright_coordinator_cell::production::{ProductionRefusal, RequestProblem};
 use linewright_coordinator_cell::schedule::RevisionReason;
@@ -172,6 +173,7 @@ fn wrong_rest(has_part: bool, way: Option<Way>, back: Option<(&'static str, &'st
     AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way, back, too: &[] }
 }
 
+static BOTH: std::sync::LazyLock<[String; 2]> = std::sync::LazyLock::new(|| ["robot", "m1"].map(str::to_owned));
 static STOPPED: std::sync::LazyLock<[String; 1]> = std::sync::LazyLock::new(|| ["robot".to_owned()]);
 
 fn alarms() -> Vec<AlarmText<'static>> {
@@ -180,8 +182,23 @@ fn alarms() -> Vec<AlarmText<'static>> {
         AlarmText::Failed { .. } => AlarmText::Failed { activity, part: Some(NAMED) },
             AlarmText::Failed { activity, part: None };
         AlarmText::WithFacts { .. } => AlarmText::WithFacts { tell: again, facts: "load M1: …" };
-        AlarmText::LeadFirst { .. } => AlarmText::LeadFirst { stopped: &[], stations: "robot and m1", then: again },
-            AlarmText::LeadFirst { stopped: &*STOPPED, stations: "robot and m1", then: again };
+        AlarmText::LeadFirst { .. } => AlarmText::LeadFirst { stopped: &[], stations: &*STOPPED, why: None, then: again },
+            AlarmText::LeadFirst { stopped: &*STOPPED, stations: &*BOTH, why: None, then: again },
+            AlarmText::LeadFirst { stopped: &[], stations: &*STOPPED, why: Some((LeadDirection::On, "m1 …")), then: again },
+            AlarmText::LeadFirst { stopped: &[], stations: &*STOPPED, why: Some((LeadDirection::Back, "m1 …")), then: again };
+        AlarmText::Meaning { .. } =>
+            AlarmText::Meaning { part: Whereabouts::To, then: Strategy::Forward, at: "part at M1" },
+            AlarmText::Meaning { part: Whereabouts::From, then: Strategy::Backward, at: "part at ST" },
+            AlarmText::Meaning { part: Whereabouts::From, then: Strategy::Redo, at: "part at ST" },
+            AlarmText::Meaning { part: Whereabouts::Gone, then: Strategy::Backward, at: "part gone" };
+        AlarmText::PartAt { .. } => AlarmText::PartAt { place: "M1" };
+        AlarmText::PartGone => AlarmText::PartGone;
+        AlarmText::MeansUp => AlarmText::MeansUp;
+        AlarmText::Completed { .. } => AlarmText::Completed { station: "m1" };
+        AlarmText::AtEnd { .. } => AlarmText::AtEnd { station: "m1" };
+        AlarmText::AtBeginning { .. } => AlarmText::AtBeginning { station: "m1" };
+        AlarmText::OnlyDone => AlarmText::OnlyDone;
+        AlarmText::OnlyBefore => AlarmText::OnlyBefore;
         AlarmText::WrongRest { .. } => wrong_rest(false, Some(("PB_clear_1", "clear", false)), None),
             wrong_rest(true, Some(("PB_load_1", "clamp", true)), None),
             wrong_rest(false, Some(("PB_unload_1", "release", true)), Some(("PB_back_1", "clamp"))),

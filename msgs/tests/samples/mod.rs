@@ -259,8 +259,13 @@ pub fn cell_state() -> CellState {
         raised: at(),
         text: "put it back".into(),
         answers: vec!["in-store".into()],
+        meanings: vec!["part in ST".into()],
         lead: vec!["s1".into(), "s2".into()],
         reset: vec!["s2".into()],
+        lead_to: AlarmState::LEAD_ON,
+        lead_because: "s3 has completed its order".into(),
+        bring: "s4".into(),
+        to_rest: "open".into(),
     };
     CellState {
         header: header(),

@@ -191,7 +191,6 @@ const MAY_USE: [(&str, &[&str]); 39] = [
             "linewright-history",
             // The planned times of a line, for the comparison in a report, are computed there.
             "linewright-simulation",
-            "linewright-station-logic",
             "linewright-station-shell",
             "linewright-msgs",
             "linewright-node-shell",

@@ -1,12 +1,13 @@
 //! Texts of alarms and of resources left out by the present state, which may differ from that when the alarm was raised.
 
-use linewright_line::{StationId, Tick};
+use linewright_line::{RestId, StationId, Tick};
 
-use super::super::firing::{OngoingActivity, OngoingOrder, OrderProgress};
+use super::super::firing::{OngoingOrder, OrderProgress};
 use super::super::ids::{FiringId, ResourceId};
 use super::super::player::Coordination;
 use super::super::record::OrderFailure;
 use super::book::Alarm;
+use super::direction::StationsToLead;
 use super::fact::{AlarmSubject, OutOfServiceReason, SecuredState, SensorMismatch};
 use super::standing::WrongRest;
 use crate::texts::alarm::{self, AlarmText, StationStanding};
@@ -18,24 +19,7 @@ enum ResourceFinding {
     Nothing,
 }
 
-/// Stations that are to be led by hand before an alarm can be answered.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct StationsToLead {
-    /// Between two rests.
-    pub lead: Vec<StationId>,
-    /// Those of them that are in emergency stop by themselves.
-    pub reset: Vec<StationId>,
-}
-
 impl Coordination {
-    /// Stations of a failed activity that stand between two rests.
-    pub(crate) fn stations_to_lead(&self, now: Tick, firing: &OngoingActivity) -> StationsToLead {
-        let is_held = |order: &&OngoingOrder| self.standing_if_reset(now, firing.id, order) == StationStanding::Held;
-        let lead: Vec<StationId> = firing.orders.iter().filter(is_held).map(|order| order.station).collect();
-        let is_stopped = |station: &StationId| self.state().exceptions().is_stopped(*station);
-        StationsToLead { reset: lead.iter().copied().filter(is_stopped).collect(), lead }
-    }
-
     /// Stations that an alarm asks to be led, as things are now.
     pub fn alarm_leads(&self, now: Tick, of: &Alarm) -> StationsToLead {
         match of.about {
@@ -75,6 +59,15 @@ impl Coordination {
             (None, OrderProgress::Failed(_) | OrderProgress::Written | OrderProgress::Running) => {
                 StationStanding::NotBegun
             }
+        }
+    }
+
+    /// The station that an alarm asks to be brought to another rest in hand mode, as things are now, and that rest.
+    pub fn alarm_brings(&self, now: Tick, of: &Alarm) -> Option<(StationId, RestId)> {
+        let AlarmSubject::Resource(resource) = of.about else { return None };
+        match self.found_now(now, resource)? {
+            ResourceFinding::WrongRest(found) => Some((found.station, found.wanted)),
+            ResourceFinding::Mismatch(_) | ResourceFinding::Nothing => None,
         }
     }
 

@@ -27,6 +27,7 @@ mod answer;
 mod apply;
 mod book;
 mod current;
+mod direction;
 mod drive;
 mod emergency;
 mod fact;
@@ -39,7 +40,7 @@ mod standing;
 mod watch;
 
 pub use book::{Alarm, ExceptionStage, Exceptions, FailedActivity, OutOfService};
-pub use current::StationsToLead;
+pub use direction::{LeadDirection, LeadReason, StationsToLead};
 pub use fact::{
     AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, SecuredState, SensorMismatch,
     Strategy, Whereabouts,

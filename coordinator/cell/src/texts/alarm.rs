@@ -5,7 +5,10 @@ use std::fmt::Write;
 use linewright_line::{RestId, StationId, Tick};
 use linewright_orders::TaskFailure;
 
-use crate::exception::{RecoveryDecision, RecoveryPolicy, SensorMismatch, StationsToLead, WrongRest};
+use crate::exception::{
+    Alarm, AlarmSubject, LeadDirection, LeadReason, RecoveryDecision, RecoveryPolicy, SensorMismatch, StationsToLead,
+    Strategy, Whereabouts, WrongRest,
+};
 use crate::firing::{OngoingActivity, OngoingOrder, OrderProgress};
 use crate::ids::{ModeId, PartId, ResourceId};
 use crate::player::Coordination;
@@ -26,14 +29,27 @@ pub(crate) fn alarm(of: &Coordination, firing: &OngoingActivity, cause: Activity
         let part = firing.part.map(|part| super::part(state, part));
         AlarmText::Failed { activity: state.table().called(firing.mode), part: part.as_deref() }.text()
     });
-    let StationsToLead { lead, reset } = of.stations_to_lead(now, firing);
+    let StationsToLead { lead, reset, reason } = of.stations_to_lead(now, firing);
     let names = |ids: Vec<StationId>| -> Vec<String> { ids.into_iter().map(|id| handling.station_name(id)).collect() };
     let (held, stopped) = (names(lead), names(reset));
     let text = AlarmText::WithFacts { tell: &tell, facts: &facts(of, firing, cause, now) }.text();
     if held.is_empty() {
         text
     } else {
-        AlarmText::LeadFirst { stopped: &stopped, stations: &held.join(" and "), then: &text }.text()
+        let why = reason.map(|reason| (reason.direction(), because(handling, reason)));
+        let why = why.as_ref().map(|(direction, because)| (*direction, because.as_str()));
+        AlarmText::LeadFirst { stopped: &stopped, stations: &held, why, then: &text }.text()
+    }
+}
+
+/// Why the stations of a failed activity are led on, or back.
+pub fn because(handling: &RecoveryPolicy, reason: LeadReason) -> String {
+    match reason {
+        LeadReason::Completed(station) => AlarmText::Completed { station: &handling.station_name(station) }.text(),
+        LeadReason::LedToEnd(station) => AlarmText::AtEnd { station: &handling.station_name(station) }.text(),
+        LeadReason::AtBeginning(station) => AlarmText::AtBeginning { station: &handling.station_name(station) }.text(),
+        LeadReason::OnlyDone => AlarmText::OnlyDone.text(),
+        LeadReason::OnlyBefore => AlarmText::OnlyBefore.text(),
     }
 }
 
@@ -181,6 +197,32 @@ fn awaited(
     }
 }
 
+/// What each answer to an alarm says: how it goes on, and where the part is then.
+pub fn meanings(of: &Coordination, alarm: &Alarm) -> Vec<String> {
+    let state = of.state();
+    let (handling, rulings) = (state.table().handling(), of.rulings(alarm.id));
+    let mode = match alarm.about {
+        AlarmSubject::Firing(firing) => state.firing(firing).map(|firing| handling.mode(firing.mode)),
+        AlarmSubject::Resource(_) => None,
+    };
+    let name = |id: Option<ResourceId>| id.map_or("outside", |id| handling.resource_name(id));
+    let meaning = |word: &String| match (rulings.iter().find(|ruling| ruling.word == *word), mode) {
+        (Some(ruling), Some(mode)) => {
+            let at = match ruling.part {
+                Whereabouts::From => AlarmText::PartAt { place: name(mode.from) },
+                Whereabouts::To => AlarmText::PartAt { place: name(mode.to) },
+                Whereabouts::Carrier => AlarmText::PartAt { place: name(mode.carrier) },
+                Whereabouts::Gone => AlarmText::PartGone,
+            };
+            AlarmText::Meaning { part: ruling.part, then: ruling.then, at: &at.text() }.text()
+        }
+        _ if word == UP => AlarmText::MeansUp.text(),
+        _ if word == GONE => AlarmText::PartGone.text(),
+        _ => String::new(),
+    };
+    alarm.words.iter().map(meaning).collect()
+}
+
 /// What was found when an answer was compared: sensors contradict it.
 pub(crate) fn differs(state: &PlayerState, ruling: &RecoveryDecision, found: &[SensorMismatch]) -> String {
     let handling = state.table().handling();
@@ -261,7 +303,25 @@ pub enum AlarmText<'a> {
     /// Instruction, and the facts.
     WithFacts { tell: &'a str, facts: &'a str },
     /// Stations between two rests, those of them in an emergency stop of their own; the alarm follows.
-    LeadFirst { stopped: &'a [String], stations: &'a str, then: &'a str },
+    LeadFirst { stopped: &'a [String], stations: &'a [String], why: Option<(LeadDirection, &'a str)>, then: &'a str },
+    /// A station whose order is completed: the others are led on.
+    Completed { station: &'a str },
+    /// A station that was led to the end of its task.
+    AtEnd { station: &'a str },
+    /// A station that has not begun, or has gone back: the others are led back.
+    AtBeginning { station: &'a str },
+    /// No answer leaves the part where it was.
+    OnlyDone,
+    /// No answer has the part where it was to go.
+    OnlyBefore,
+    /// What an answer says.
+    Meaning { part: Whereabouts, then: Strategy, at: &'a str },
+    /// Where the part is by an answer.
+    PartAt { place: &'a str },
+    /// The part is no more.
+    PartGone,
+    /// The resource is as the model has it.
+    MeansUp,
     /// The facts of a failed activity; how its stations stand follows.
     Facts { activity: &'a str, cause: &'a str, seconds: f64 },
     /// A failure, and the inputs that were waited for.
@@ -309,14 +369,32 @@ impl AlarmText<'_> {
             }
             AlarmText::Failed { activity, part: None } => format!("{activity} failed. Answer where the part is."),
             AlarmText::WithFacts { tell, facts } => format!("{tell} ({facts})"),
-            AlarmText::LeadFirst { stopped: [], stations, then } => {
-                format!("First lead {stations} to a rest in manual. {then}")
-            }
-            AlarmText::LeadFirst { stopped, stations, then } => {
+            AlarmText::LeadFirst { stopped, stations, why, then } => {
                 let reset: Vec<String> =
                     stopped.iter().map(|name| format!("`linewright resource … {name} reset`")).collect();
-                format!("First {}, then lead {stations} to a rest in manual. {then}", reset.join(" and "))
+                let reset = if reset.is_empty() { String::new() } else { format!("{}, then ", reset.join(" and ")) };
+                let lead = match why {
+                    Some((LeadDirection::On, because)) => format!(" on to a rest in manual, since {because}"),
+                    Some((LeadDirection::Back, because)) => format!(" back to a rest in manual, since {because}"),
+                    None if stations.len() > 1 => " to a rest in manual, all on or all back".to_owned(),
+                    None => " to a rest in manual".to_owned(),
+                };
+                format!("First {reset}lead {}{lead}. {then}", stations.join(" and "))
             }
+            AlarmText::Completed { station } => format!("{station} has completed its order"),
+            AlarmText::AtEnd { station } => format!("{station} stands at the end of its task"),
+            AlarmText::AtBeginning { station } => format!("{station} stands where its order began"),
+            AlarmText::OnlyDone => "no answer leaves the part where it was".to_owned(),
+            AlarmText::OnlyBefore => "no answer has the part where it was to go".to_owned(),
+            AlarmText::Meaning { part: Whereabouts::Carrier | Whereabouts::Gone, then: _, at } => at.to_owned(),
+            AlarmText::Meaning { part: _, then, at } => match then {
+                Strategy::Forward => format!("done, {at}"),
+                Strategy::Backward => format!("not done, {at}"),
+                Strategy::Redo => format!("once more, {at}"),
+            },
+            AlarmText::PartAt { place } => format!("part at {place}"),
+            AlarmText::PartGone => "part gone".to_owned(),
+            AlarmText::MeansUp => "as the model has it".to_owned(),
             AlarmText::Facts { activity, cause, seconds } => format!("{activity}: {cause}, after {seconds} s"),
             AlarmText::Awaited { failure, inputs } => format!("{failure}: {inputs}"),
             AlarmText::LeftWaiting { station, inputs, code } => {

@@ -51,7 +51,10 @@ fn its_stations_stop_and_the_resources_are_left_out() {
     assert!(text.ends_with("robot: in emergency stop, m1: in emergency stop)"), "{text}");
     assert!(bench.at("m1").is_held && bench.at("robot").is_held);
     let first = ["robot", "m1"].map(|name| format!("`linewright resource … {name} reset`")).join(" and ");
-    assert!(text.starts_with(&format!("First {first}, then lead robot and m1 to a rest in manual. ")), "{text}");
+    assert!(
+        text.starts_with(&format!("First {first}, then lead robot and m1 to a rest in manual, all on or all back. ")),
+        "{text}"
+    );
     let asked = ResourceRequest::Answer(bench.alarm().id);
     bench.answer("in-store");
     let stopped = AlarmAnswerRefusal::EmergencyStop(robot);

@@ -2,7 +2,7 @@
 
 use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes, why_not, why_resource};
 use linewright_coordinator_cell::exception::{
-    AlarmAnswerRefusal, AlarmSubject, ExceptionStep, OutOfServiceReason, ResourceRequest,
+    AlarmAnswerRefusal, AlarmSubject, ExceptionStep, LeadDirection, OutOfServiceReason, ResourceRequest,
 };
 use linewright_coordinator_cell::{PartId, PlayerInput, Presence, StationUnavailable};
 use linewright_line::RestId;
@@ -36,6 +36,8 @@ fn a_machine_that_rests_clamped_without_a_part_is_not_used_before_it_is_open() {
              Then answer \"up\"."
         )
     );
+    let brings = |bench: &CellBench| bench.sim.coordination.alarm_brings(bench.sim.now, bench.alarm());
+    assert_eq!(brings(&bench), Some((bench.station("m1"), OPEN)));
     bench.answer("up");
     let asked = ResourceRequest::Answer(bench.alarm().id);
     assert_eq!(bench.objections()[1..], [(asked, AlarmAnswerRefusal::WrongRest(m1))]);
@@ -49,6 +51,7 @@ fn a_machine_that_rests_clamped_without_a_part_is_not_used_before_it_is_open() {
         bench.alarm_now(),
         "M1 is out of service, but its station and sensor are as they should be. Answer \"up\"."
     );
+    assert_eq!(brings(&bench), None);
     bench.answer("up");
     assert_eq!((bench.down(), bench.state().exceptions().alarms().len()), (vec![], 0));
 }
@@ -142,7 +145,12 @@ fn no_answer_closes_an_activity_whose_station_stands_half_way() {
     bench.at("robot").holds = true;
     let firing = bench.load_fails();
     let text = bench.alarm().text.clone();
-    assert!(text.starts_with("First lead robot to a rest in manual. R came to M1"), "{text}");
+    assert!(
+        text.starts_with(
+            "First lead robot back to a rest in manual, since m1 stands where its order began. R came to M1"
+        ),
+        "{text}"
+    );
     let (robot, asked) = (bench.station("robot"), ResourceRequest::Answer(bench.alarm().id));
     for word in ["in-store", "in-machine", "scrap"] {
         bench.answer(word);
@@ -326,5 +334,37 @@ fn a_part_in_the_hand_is_not_in_store() {
         bench.answer(word);
         let refusal = (ResourceRequest::Answer(alarm), AlarmAnswerRefusal::HasPart(robot));
         assert_eq!(bench.objections().last(), Some(&refusal), "{word}");
+    }
+}
+
+/// Which way a station is led follows from how the others of its activity stand: it is done at all of them, or at none.
+#[test]
+fn an_alarm_gives_the_way_on_which_its_stations_are_led() {
+    let way = |bench: &CellBench| {
+        let leads = bench.sim.coordination.alarm_leads(bench.sim.now, bench.alarm());
+        leads.reason.map(|reason| (leads.lead.len(), reason.direction()))
+    };
+    let mut bench = CellBench::c1_of_its_line(&[1, 0]);
+    bench.at("robot").holds = true;
+    bench.at("robot").is_stuck = true;
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    let text = bench.alarm_now();
+    assert!(text.starts_with("First lead robot on to a rest in manual, since m1 has completed its order. "), "{text}");
+    assert_eq!(way(&bench), Some((1, LeadDirection::On)));
+
+    let mut bench = CellBench::c1_of_its_line(&[1, 0]);
+    bench.at("robot").holds = true;
+    bench.at("m1").holds = true;
+    bench.load_fails();
+    assert!(bench.alarm_now().starts_with("First lead robot and m1 to a rest in manual, all on or all back. "));
+    assert_eq!(way(&bench), None);
+    let now = bench.sim.now;
+    bench.at("m1").holds = false;
+    bench.at("m1").bring_to_rest(now);
+    // Led by hand: its rest shows which way.
+    for (rest, direction) in [(CLAMPED, LeadDirection::On), (OPEN, LeadDirection::Back)] {
+        bench.at("m1").rest = Some(rest);
+        bench.hear();
+        assert_eq!(way(&bench), Some((1, direction)), "{}", bench.alarm_now());
     }
 }

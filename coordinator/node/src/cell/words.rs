@@ -2,13 +2,13 @@
 //!
 //! Names of the net become an operator's terms: a part is *in M1, loaded*, or *in `load M1`*.
 
-use linewright_coordinator_cell::exception::{Alarm, StationsToLead};
+use linewright_coordinator_cell::exception::{Alarm, LeadDirection, StationsToLead};
 use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
 use linewright_coordinator_cell::{
     ActivityPhase, CellTable, Coordination, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderProgress, Part,
     PartPlace, PlayerState, ProductionId, texts,
 };
-use linewright_line::{Line, StationId, Tick};
+use linewright_line::{Line, RestId, StationId, Tick};
 use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
 use linewright_node_line::quoted;
 
@@ -25,14 +25,28 @@ pub fn describe(line: &Line, coordination: &Coordination, starting: bool, now: T
     message.orders_open = count(production.orders().filter(|order| order.ended.is_none()).count());
     let names = |ids: Vec<StationId>| ids.into_iter().map(|id| line.station(id).name.clone()).collect();
     let alarm = |alarm: &Alarm| {
-        let StationsToLead { lead, reset } = coordination.alarm_leads(now, alarm);
+        let StationsToLead { lead, reset, reason } = coordination.alarm_leads(now, alarm);
+        let direction = |direction| match direction {
+            LeadDirection::On => AlarmState::LEAD_ON,
+            LeadDirection::Back => AlarmState::LEAD_BACK,
+        };
+        let brings = coordination.alarm_brings(now, alarm);
+        let to_rest = |(station, rest): (StationId, RestId)| {
+            let of = line.station(station).rests.get(rest.index());
+            of.map(|rest| rest.name.clone()).unwrap_or_default()
+        };
         AlarmState {
             id: alarm.id.0,
             raised: time(alarm.since),
             text: fitting(coordination.alarm_text(now, alarm)),
             answers: alarm.words.clone(),
+            meanings: texts::alarm::meanings(coordination, alarm),
             lead: names(lead),
             reset: names(reset),
+            lead_to: reason.map_or(AlarmState::LEAD_EITHER, |reason| direction(reason.direction())),
+            lead_because: reason.map(|reason| texts::alarm::because(table.handling(), reason)).unwrap_or_default(),
+            bring: brings.map(|(station, _)| line.station(station).name.clone()).unwrap_or_default(),
+            to_rest: brings.map(to_rest).unwrap_or_default(),
         }
     };
     message.alarms = listed(state.exceptions().alarms().map(alarm));
