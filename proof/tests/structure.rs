@@ -118,6 +118,18 @@ fn an_arrow_whose_lag_is_too_large_is_named() {
 }
 
 #[test]
+fn an_arrow_the_wrong_way_round_is_named() {
+    let mut line = shipped(1);
+    let arrow = line.arrows[1];
+    (line.arrows[1].from, line.arrows[1].to) = (arrow.to, arrow.from);
+    let [from, to] = [arrow.from, arrow.to].map(|end| full_name(&line, end));
+    let swapped = format!("the arrow from `{to}` to `{from}` may be the wrong way round");
+    let found: Vec<String> =
+        line.conflicts.iter().filter_map(|conflict| Some(separated(&line, conflict).err()?.to_string())).collect();
+    assert!(found.iter().any(|why| why.contains(&swapped)), "{found:?}");
+}
+
+#[test]
 fn swapped_ends_of_a_conflict_are_named() {
     let mut line = shipped(1);
     let a = &mut line.conflicts[0].a;

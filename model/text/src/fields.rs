@@ -69,7 +69,7 @@ impl<'a> Fields<'a> {
             let near = nearest_all(written, self.asked.iter().copied());
             if let [key] = near[..]
                 && let Some(key) = self.asked.iter().find(|asked| **asked == key)
-                && !self.has(key)
+                && (!self.has(key) || [*key, written].iter().all(|key| self.is_blocks(key)))
                 && !meant.iter().any(|(known, _)| known == key)
             {
                 meant.push((*key, written));
@@ -78,6 +78,11 @@ impl<'a> Fields<'a> {
         let header_name = self.header_name.clone();
         let same = Fields { header_name, misspelled: meant, ..Fields::new(self.table, self.at.clone(), self.what) };
         (!same.misspelled.is_empty()).then_some(same)
+    }
+
+    /// Whether `[[key]]` blocks are written at `key`.
+    fn is_blocks(&self, key: &str) -> bool {
+        self.table.get(key).is_some_and(Item::is_array_of_tables)
     }
 
     /// Whether what was read where its key is misspelled is of the right type.
@@ -318,6 +323,11 @@ impl<'a> Fields<'a> {
         let mut tables: Vec<Fields<'a>> = Vec::new();
         match item {
             Item::ArrayOfTables(blocks) => {
+                // Beside blocks under a misspelled header there may be others, which have their place between them.
+                let beside = self.table.get(key).filter(|_| self.written(key) != key);
+                let beside = beside.and_then(Item::as_array_of_tables).into_iter().flatten();
+                let mut blocks: Vec<&Table> = blocks.iter().chain(beside).collect();
+                blocks.sort_by_key(|block| block.span().map(|span| span.start));
                 for block in blocks {
                     let at = block.span().unwrap_or_else(|| at.clone());
                     tables.push(Fields::new(block, at, what));

@@ -149,12 +149,17 @@ impl<'a> Lags<'a> {
         let mut lag = |before: &StateSpan, after: &StateSpan| {
             let (from, to) = ((before.station, before.until), (after.station, after.from));
             self.least(from, to, waits).ok_or_else(|| {
+                let is_swapped = line.arrows.iter().any(|arrow| arrow.from == to && arrow.to == from);
                 let late = arrows_between(line, from.0, to.0, |arrow| arrow.from.0 == from.0 && arrow.lag > SUM_MAX);
                 let (from, to) = (full_name(line, from), full_name(line, to));
                 match late {
                     Some(late) => format!(
                         "an arrow makes `{to}` wait for an end of `{from}` that is too many cycles back: {late}; a lag \
                          of {SUM_MAX} is the most that keeps the two apart"
+                    ),
+                    None if is_swapped => format!(
+                        "nothing in both modes makes `{to}` wait for `{from}`; the arrow from `{to}` to `{from}` may be the \
+                         wrong way round"
                     ),
                     None => format!("nothing in both modes makes `{to}` wait for `{from}`"),
                 }
