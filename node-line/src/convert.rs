@@ -9,8 +9,8 @@ use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, Line, OpId, StationId};
 use linewright_msgs::{Answer as AnswerMessage, ModeOrder, StationEvent, StationState};
 use linewright_station_logic::{
-    Controller, HappeningKind, ModeOrder as Order, StationHappening, StationReport, StopCause, WithdrawalAnswer,
-    WithdrawalRequest,
+    AgreementAnswer, AgreementRequest, Controller, HappeningKind, ModeOrder as Order, StationHappening, StationReport,
+    StopCause,
 };
 use thiserror::Error;
 
@@ -142,7 +142,7 @@ fn operations_of(ops: u64) -> Vec<u16> {
     (0..64).filter(|op| ops & (1 << op) != 0).collect()
 }
 
-fn answer_to_message(line: &Line, own: StationId, answer: &WithdrawalAnswer) -> AnswerMessage {
+fn answer_to_message(line: &Line, own: StationId, answer: &AgreementAnswer) -> AnswerMessage {
     AnswerMessage {
         station: line.station(answer.to).name.clone(),
         boot_id: answer.boot_id,
@@ -207,7 +207,7 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
         selector_manual: message.selector_manual,
         devices_valid: message.devices_valid,
         incomplete,
-        request: (message.request_number != 0).then_some(WithdrawalRequest { number: message.request_number, ops }),
+        request: (message.request_number != 0).then_some(AgreementRequest { number: message.request_number, ops }),
         answers,
         // The state of its task order is not in this message.
         order: None,
@@ -216,9 +216,9 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
 }
 
 /// An answer about a station or an operation that is not described counts as none: it can only delay.
-fn answer_from_message(line: &Line, from: StationId, message: &AnswerMessage) -> Option<WithdrawalAnswer> {
+fn answer_from_message(line: &Line, from: StationId, message: &AnswerMessage) -> Option<AgreementAnswer> {
     let in_the_way = if message.agreed { None } else { Some(line.station(from).operation_named(&message.in_the_way)?) };
-    Some(WithdrawalAnswer {
+    Some(AgreementAnswer {
         to: line.station_named(&message.station)?,
         boot_id: message.boot_id,
         number: message.request_number,

@@ -9,7 +9,7 @@
 //! answer to it is void.
 
 use linewright_line::{OpId, StationId};
-use linewright_station_logic::{StationReport, WithdrawalAnswer, WithdrawalRequest};
+use linewright_station_logic::{AgreementAnswer, AgreementRequest, StationReport};
 use rustc_hash::FxHashMap;
 
 /// A word with its base; 0 is "no word".
@@ -155,7 +155,7 @@ pub(crate) fn report(
     }
     let answers = match (content.answer, numbers.answered) {
         (Some(in_the_way), Some(number)) => {
-            vec![WithdrawalAnswer { to: reader.0, boot_id: reader.1, number, in_the_way }]
+            vec![AgreementAnswer { to: reader.0, boot_id: reader.1, number, in_the_way }]
         }
         _ => Vec::new(),
     };
@@ -164,7 +164,7 @@ pub(crate) fn report(
         generation: u64::from(!content.is_lost),
         cycle: base + content.cycle,
         done,
-        request: content.request.map(|(ops, _)| WithdrawalRequest { number: numbers.request, ops }),
+        request: content.request.map(|(ops, _)| AgreementRequest { number: numbers.request, ops }),
         answers,
         ..StationReport::default()
     }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
-    Controller, ModeOrder, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport, WithdrawalAnswer,
+    AgreementAnswer, Controller, ModeOrder, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport,
 };
 
 /// The one moment at which everything happens.
@@ -282,7 +282,7 @@ impl World {
             None => out.push(-1),
             Some(request) => out.extend([i64::from(writer.open == Some(request.number)), request.ops as i64]),
         }
-        let to_reader = |a: &&WithdrawalAnswer| {
+        let to_reader = |a: &&AgreementAnswer| {
             a.to == reader.station() && a.boot_id == reader.writer().boot_id && reader.awaits(a.number)
         };
         match report.answers.iter().find(to_reader) {
@@ -303,7 +303,7 @@ impl World {
 impl Link {
     fn says_the_same(&self, a: &StationReport, b: &StationReport, reader: &Controller) -> bool {
         // An answer that is not awaited any more may go without a change.
-        let awaited = |x: &&WithdrawalAnswer| x.to.index() == self.reader && reader.awaits(x.number);
+        let awaited = |x: &&AgreementAnswer| x.to.index() == self.reader && reader.awaits(x.number);
         let to_reader = |report: &StationReport| report.answers.iter().find(awaited).copied();
         a.boot_id == b.boot_id
             && a.generation == b.generation

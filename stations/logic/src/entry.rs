@@ -21,7 +21,7 @@ use linewright_line::OpId;
 use linewright_line::net::{ControlMode, MotionStage, StationPlace, TransitionKind};
 
 use crate::controller::Controller;
-use crate::parts::{AgreementRefusal, PendingWithdrawal};
+use crate::parts::{AgreementRefusal, PendingAgreement};
 use crate::peer_set::PeerSet;
 use crate::program::{CompiledTransition, ConditionRow};
 
@@ -77,12 +77,12 @@ impl Controller {
     }
 
     /// Whether the motions that a request is for rely on the position of a peer: as it was made, or now.
-    fn enters_beside(&self, pending: &PendingWithdrawal, peer: usize) -> bool {
+    fn enters_beside(&self, pending: &PendingAgreement, peer: usize) -> bool {
         pending.entered.contains(peer) || self.entered_now(pending).contains(peer)
     }
 
     /// The peers that must agree before the motions start which a request is for.
-    pub(crate) fn entered_now(&self, pending: &PendingWithdrawal) -> PeerSet {
+    pub(crate) fn entered_now(&self, pending: &PendingAgreement) -> PeerSet {
         let rows = pending.rows().iter().map(|&row| &self.program.rows[usize::from(row)]);
         rows.fold(PeerSet::EMPTY, |all, row| all | self.entered_by(row, pending.mode))
     }

@@ -8,7 +8,7 @@ use linewright_line::{InputId, Line, OpId, OperationModule, Owner, Tick};
 
 use crate::controller::Controller;
 use crate::event::{StationHappening, StopCause};
-use crate::parts::{AgreementRefusal, PendingWithdrawal};
+use crate::parts::{AgreementRefusal, PendingAgreement};
 use crate::program::{CompiledTransition, IncomingArrow as Arrow};
 use crate::texts::place::{op_names, place_text};
 use crate::texts::{
@@ -433,7 +433,7 @@ impl Controller {
         wait.text()
     }
 
-    fn explain_request(&self, line: &Line, pending: &PendingWithdrawal, now: Tick, reasons: &mut Vec<String>) {
+    fn explain_request(&self, line: &Line, pending: &PendingAgreement, now: Tick, reasons: &mut Vec<String>) {
         let ops = self.op_names(line, pending.request.ops);
         for peer in (pending.needs | pending.entered).iter() {
             let view = &self.views.peers[peer];

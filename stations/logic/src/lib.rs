@@ -98,7 +98,7 @@ pub use panel::{ModeOrder, PanelCommand, RivalCoordinators};
 pub use position_guard::{OwnSide, PositionGuard, PositionsKnown};
 pub use program::{CompileError, Program};
 pub use rejoin::RejoinAt;
-pub use report::{Restore, StationReport, StationSnapshot, WithdrawalAnswer, WithdrawalRequest};
+pub use report::{AgreementAnswer, AgreementRequest, Restore, StationReport, StationSnapshot};
 pub use rules::{OrderRules, Rules};
 pub use situation::{PeerSituation, RequestWriter};
 pub use texts::{DEVICES_INVALID, NoReturn, PanelChoice, PositionDoubt, RejoinAdvice, StationWait};

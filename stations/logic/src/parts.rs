@@ -7,7 +7,7 @@ use linewright_line::{BRANCHES_MAX, InputId, OpId, Panel, StationId, Tick};
 
 use crate::event::StopCause;
 use crate::peer_set::PeerSet;
-use crate::report::WithdrawalRequest;
+use crate::report::AgreementRequest;
 
 /// Transitions tried in one step before the next image is needed. An operation that completes leads on to the next at
 /// once; a longer chain means a description with operations that take no time.
@@ -145,8 +145,8 @@ pub(crate) struct Levels {
 
 /// A request that is open, and the command behind it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PendingWithdrawal {
-    pub request: WithdrawalRequest,
+pub(crate) struct PendingAgreement {
+    pub request: AgreementRequest,
     /// The rows whose transitions fire once agreed, the first `count` of them.
     pub rows: [u16; BRANCHES_MAX],
     pub count: usize,
@@ -159,7 +159,7 @@ pub(crate) struct PendingWithdrawal {
     pub entered: PeerSet,
 }
 
-impl PendingWithdrawal {
+impl PendingAgreement {
     pub fn rows(&self) -> &[u16] {
         &self.rows[..self.count]
     }
@@ -178,7 +178,7 @@ pub(crate) struct AgreementRefusal {
 /// What is done by agreement with other stations: counts taken back, motions by measured positions alone.
 #[derive(Clone, Debug)]
 pub(crate) struct Agreement {
-    pub pending: Option<PendingWithdrawal>,
+    pub pending: Option<PendingAgreement>,
     pub next_request: u64,
     /// The last refusal, for the operator.
     pub refusal: Option<AgreementRefusal>,

@@ -54,16 +54,16 @@ pub struct StationReport {
     /// Operations stopped before their end, with the cause.
     pub incomplete: Vec<(OpId, StopCause)>,
     /// The request that is open.
-    pub request: Option<WithdrawalRequest>,
+    pub request: Option<AgreementRequest>,
     /// Its answers to the requests of others.
-    pub answers: Vec<WithdrawalAnswer>,
+    pub answers: Vec<AgreementAnswer>,
     /// Its orders, if it is task-driven.
     pub order: Option<TaskOrderReport>,
 }
 
 /// A request to other stations: to take back the counts of some operations, or to start a motion by measured positions alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct WithdrawalRequest {
+pub struct AgreementRequest {
     /// Never used again by this station; an agreement counts for this number alone.
     pub number: u64,
     /// The operations whose counts are taken back, a bit each.
@@ -72,7 +72,7 @@ pub struct WithdrawalRequest {
 
 /// An answer to a request of another station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct WithdrawalAnswer {
+pub struct AgreementAnswer {
     /// Station that made the request.
     pub to: StationId,
     /// Its boot id.

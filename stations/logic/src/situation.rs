@@ -9,7 +9,7 @@ use linewright_line::{OpId, StationId};
 
 use crate::controller::Controller;
 use crate::program::bit;
-use crate::report::{WithdrawalAnswer, WithdrawalRequest};
+use crate::report::{AgreementAnswer, AgreementRequest};
 
 /// Origin of a situation, for one writer of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,9 +29,9 @@ pub struct PeerSituation<'a> {
     pub generation: u64,
     pub cycle: i32,
     /// The request it has made.
-    pub request: Option<WithdrawalRequest>,
+    pub request: Option<AgreementRequest>,
     /// Our answer to that request.
-    pub answer: Option<WithdrawalAnswer>,
+    pub answer: Option<AgreementAnswer>,
     /// Its answer to a request of ours: its number, and the operation in the way.
     pub verdict: Option<(u64, Option<OpId>)>,
 }
@@ -56,7 +56,7 @@ impl Controller {
     }
 
     /// The request it has open.
-    pub fn request(&self) -> Option<WithdrawalRequest> {
+    pub fn request(&self) -> Option<AgreementRequest> {
         self.agreement.pending.map(|pending| pending.request)
     }
 

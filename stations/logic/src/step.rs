@@ -8,9 +8,9 @@ use linewright_line::{BRANCHES_MAX, InputId, Tick};
 
 use crate::controller::{Controller, NO_DELAY, StationOutbox};
 use crate::event::{HappeningKind, StopCause};
-use crate::parts::{IndexProgress, PASSES_MAX, PendingWithdrawal, RunCommand, Token};
+use crate::parts::{IndexProgress, PASSES_MAX, PendingAgreement, RunCommand, Token};
 use crate::program::{Causal, ConditionRow, bit};
-use crate::withdraw::WithdrawalState;
+use crate::withdraw::AgreementState;
 
 impl Controller {
     /// Plays the net one image further. Call it after every [`Controller::handle`] and at every deadline.
@@ -159,21 +159,21 @@ impl Controller {
             return false;
         }
         match self.standing(&pending, self.levels.now, self.commands.mode()) {
-            WithdrawalState::Waiting => {
+            AgreementState::Waiting => {
                 self.agreement.pending = Some(pending);
                 false
             }
-            WithdrawalState::Agreed => {
+            AgreementState::Agreed => {
                 for row in pending.rows() {
                     self.fire(self.program.rows[usize::from(*row)].transition);
                 }
                 true
             }
-            WithdrawalState::GivenUp => {
+            AgreementState::GivenUp => {
                 self.due.report = true;
                 false
             }
-            WithdrawalState::NotAgreed(refusal) => {
+            AgreementState::NotAgreed(refusal) => {
                 self.reject(&pending, refusal);
                 false
             }
@@ -182,7 +182,7 @@ impl Controller {
 
     /// Whether the tokens still stand where the command found them, and the arrows it reads still hold: while others
     /// were agreeing to our request, we may have agreed to theirs.
-    fn are_enabled(&self, pending: &PendingWithdrawal) -> bool {
+    fn are_enabled(&self, pending: &PendingAgreement) -> bool {
         let is_resumed = pending.hold & bit::RESUME != 0;
         let mut rows = pending.rows().iter().map(|&row| &self.program.rows[usize::from(row)]);
         self.are_marked(pending)
@@ -195,7 +195,7 @@ impl Controller {
             })
     }
 
-    fn are_marked(&self, pending: &PendingWithdrawal) -> bool {
+    fn are_marked(&self, pending: &PendingAgreement) -> bool {
         let marked = |place: &u16| self.tokens().iter().any(|t| t.place == *place);
         let rows = pending.rows().iter().map(|&row| &self.program.rows[usize::from(row)]);
         rows.flat_map(|row| &self.program.actions[usize::from(row.transition)].from).all(marked)

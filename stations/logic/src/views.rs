@@ -17,7 +17,7 @@ use linewright_line::{OpId, StationId, Tick};
 use crate::ignored::Ignored;
 use crate::peer_set::PeerSet;
 use crate::program::{IncomingArrow as Cause, Program};
-use crate::report::{StationReport, WithdrawalAnswer, WithdrawalRequest};
+use crate::report::{AgreementAnswer, AgreementRequest, StationReport};
 use crate::rules::Rules;
 
 /// The newest state received of one other station.
@@ -44,9 +44,9 @@ pub(crate) struct PeerView {
     /// Its marking, of each operation the number of its place; empty where nothing here reads it.
     pub places: Vec<u8>,
     pub recovering_home: bool,
-    pub request: Option<WithdrawalRequest>,
+    pub request: Option<AgreementRequest>,
     /// Our answer to that request; none yet where it waits for this station's standstill.
-    pub answer: Option<WithdrawalAnswer>,
+    pub answer: Option<AgreementAnswer>,
     /// The other's answer to a request of ours: (our boot id, number, operation in the way).
     pub verdict: Option<(u64, u64, Option<OpId>)>,
 }
@@ -127,8 +127,8 @@ impl PeerViews {
         let index = self.peers.iter().position(|v| v.station == from).ok_or(Ignored::NotAPeer)?;
         let view = &mut self.peers[index];
         let bits = view.done.len();
-        let fits = |request: &WithdrawalRequest| bits >= 64 || request.ops < 1 << bits;
-        let named = |answer: &WithdrawalAnswer| answer.in_the_way.is_none_or(|op| op.index() < bits);
+        let fits = |request: &AgreementRequest| bits >= 64 || request.ops < 1 << bits;
+        let named = |answer: &AgreementAnswer| answer.in_the_way.is_none_or(|op| op.index() < bits);
         if report.done.len() != bits || !report.request.as_ref().is_none_or(fits) || !report.answers.iter().all(named) {
             return Err(Ignored::Misfit);
         }
@@ -176,10 +176,10 @@ impl PeerViews {
     }
 
     /// Answers the request of a peer.
-    pub(crate) fn answer(&mut self, peer: usize, request: WithdrawalRequest, in_the_way: Option<OpId>) {
+    pub(crate) fn answer(&mut self, peer: usize, request: AgreementRequest, in_the_way: Option<OpId>) {
         let view = &mut self.peers[peer];
         let (to, boot_id, number) = (view.station, view.boot_id, request.number);
-        view.answer = Some(WithdrawalAnswer { to, boot_id, number, in_the_way });
+        view.answer = Some(AgreementAnswer { to, boot_id, number, in_the_way });
     }
 
     /// Whether the counts of a peer belong to this station's generation.
@@ -286,7 +286,7 @@ fn in_the_way(
     program: &Program,
     peer: usize,
     view: &PeerView,
-    request: WithdrawalRequest,
+    request: AgreementRequest,
     started: &[i32],
 ) -> Option<OpId> {
     let asked = |cause: &&Cause| cause.peer as usize == peer && request.ops & (1 << cause.from.0) != 0;

@@ -13,14 +13,14 @@ use linewright_line::net::ControlMode;
 
 use crate::controller::Controller;
 use crate::event::HappeningKind;
-use crate::parts::{AgreementRefusal, PendingWithdrawal};
+use crate::parts::{AgreementRefusal, PendingAgreement};
 use crate::peer_set::PeerSet;
 use crate::program::bit;
-use crate::report::WithdrawalRequest;
+use crate::report::AgreementRequest;
 
-/// State of a withdrawal request.
+/// State of a request for agreement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum WithdrawalState {
+pub(crate) enum AgreementState {
     Waiting,
     Agreed,
     /// A station has started on a count, or moves: refused.
@@ -90,8 +90,8 @@ impl Controller {
         if self.rules.fresh_numbers {
             self.agreement.next_request += 1;
         }
-        let mut pending = PendingWithdrawal {
-            request: WithdrawalRequest { number, ops: 0 },
+        let mut pending = PendingAgreement {
+            request: AgreementRequest { number, ops: 0 },
             rows: [0; BRANCHES_MAX],
             count: 0,
             hold: 0,
@@ -119,7 +119,7 @@ impl Controller {
     }
 
     /// Closes a request that is refused.
-    pub(crate) fn reject(&mut self, pending: &PendingWithdrawal, refusal: AgreementRefusal) {
+    pub(crate) fn reject(&mut self, pending: &PendingAgreement, refusal: AgreementRefusal) {
         if let AgreementRefusal { by, in_the_way: Some(in_the_way), .. } = refusal {
             self.note(HappeningKind::NotAgreed { by, in_the_way });
         }
@@ -133,15 +133,15 @@ impl Controller {
     }
 
     /// State of the open request.
-    pub(crate) fn standing(&self, pending: &PendingWithdrawal, levels: u128, mode: ControlMode) -> WithdrawalState {
+    pub(crate) fn standing(&self, pending: &PendingAgreement, levels: u128, mode: ControlMode) -> AgreementState {
         if mode != pending.mode || levels & pending.hold != pending.hold || !self.image.valid {
-            return WithdrawalState::GivenUp;
+            return AgreementState::GivenUp;
         }
         // What a motion relies on may have changed since the request: a station that was not asked may have lost its generation.
         let entered = self.entered_now(pending);
         if let Some(peer) = entered.iter().find(|&peer| !pending.entered.contains(peer)) {
             let by = self.views.peers[peer].station;
-            return WithdrawalState::NotAgreed(AgreementRefusal { by, in_the_way: None, ops: 0 });
+            return AgreementState::NotAgreed(AgreementRefusal { by, in_the_way: None, ops: 0 });
         }
         let mut missing = false;
         for (index, view) in self.views.peers.iter().enumerate() {
@@ -158,11 +158,11 @@ impl Controller {
                 Some((boot, number, Some(in_the_way))) if boot == self.boot_id && number == pending.request.number => {
                     let ops = if entered.contains(index) { 0 } else { pending.request.ops };
                     let (by, in_the_way) = (view.station, Some(in_the_way));
-                    return WithdrawalState::NotAgreed(AgreementRefusal { by, in_the_way, ops });
+                    return AgreementState::NotAgreed(AgreementRefusal { by, in_the_way, ops });
                 }
                 Some(_) | None => missing = true,
             }
         }
-        if missing { WithdrawalState::Waiting } else { WithdrawalState::Agreed }
+        if missing { AgreementState::Waiting } else { AgreementState::Agreed }
     }
 }

@@ -2,7 +2,7 @@
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId};
-use linewright_station_logic::{Restore, StationReport, WithdrawalAnswer, WithdrawalRequest};
+use linewright_station_logic::{AgreementAnswer, AgreementRequest, Restore, StationReport};
 
 use super::rig::{Rig, peer_says};
 use linewright_testkit::built::{arrow, line, r, station};
@@ -17,7 +17,7 @@ fn pair() -> Line {
 }
 
 fn b_says(answer: Option<(u64, Option<OpId>)>) -> StationReport {
-    let answers = answer.map(|(number, in_the_way)| WithdrawalAnswer { to: A, boot_id: 1, number, in_the_way });
+    let answers = answer.map(|(number, in_the_way)| AgreementAnswer { to: A, boot_id: 1, number, in_the_way });
     StationReport { answers: answers.into_iter().collect(), ..peer_says(&[0, 0]) }
 }
 
@@ -100,7 +100,7 @@ fn an_agreement_to_an_earlier_request_is_worth_nothing() {
 #[test]
 fn an_agreement_given_to_another_life_is_worth_nothing() {
     let (mut rig, number) = asking();
-    let other = WithdrawalAnswer { to: A, boot_id: 99, number, in_the_way: None };
+    let other = AgreementAnswer { to: A, boot_id: 99, number, in_the_way: None };
     rig.hear(B, StationReport { answers: vec![other], ..peer_says(&[0, 0]) });
     assert_eq!(rig.outputs, 0);
 }
@@ -147,7 +147,7 @@ fn answer_of_b(b: &Rig) -> Option<Option<OpId>> {
 }
 
 fn a_asks(number: u64) -> StationReport {
-    StationReport { request: Some(WithdrawalRequest { number, ops: 1 }), ..peer_says(&[1, 0]) }
+    StationReport { request: Some(AgreementRequest { number, ops: 1 }), ..peer_says(&[1, 0]) }
 }
 
 #[test]
@@ -181,7 +181,7 @@ fn a_station_with_two_peers_answers_each_by_its_own_counts() {
     let mut middle = Rig::of(line, B, Restore::Fresh);
     middle.hear(
         StationId(2),
-        StationReport { request: Some(WithdrawalRequest { number: 1, ops: 0b10 }), ..peer_says(&[0, 0]) },
+        StationReport { request: Some(AgreementRequest { number: 1, ops: 0b10 }), ..peer_says(&[0, 0]) },
     );
     assert_eq!(answer_of_b(&middle), Some(None));
 }

@@ -2,7 +2,7 @@
 
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, StationId};
-use linewright_station_logic::{StationReport, WithdrawalAnswer};
+use linewright_station_logic::{AgreementAnswer, StationReport};
 
 use super::rig::{Rig, peer_says};
 use linewright_testkit::built::{actuator_bit, alone, arrow, beside, complete_bit, line, r, station};
@@ -144,7 +144,7 @@ fn a_group_of_which_one_needs_agreement_waits_as_a_whole() {
     assert_eq!(rig.outputs, 0);
     let request = rig.report().request.expect("it asks");
     assert_eq!(request.ops, 0b110, "for both at once");
-    let agreed = WithdrawalAnswer { to: StationId(0), boot_id: 1, number: request.number, in_the_way: None };
+    let agreed = AgreementAnswer { to: StationId(0), boot_id: 1, number: request.number, in_the_way: None };
     rig.hear(StationId(1), StationReport { answers: vec![agreed], ..peer_says(&[0, 0]) });
     assert_eq!(rig.outputs, both(true));
     assert_eq!(rig.report().done, [1, 0, 0, 0]);

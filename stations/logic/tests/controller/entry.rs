@@ -3,7 +3,7 @@
 
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, StationId};
-use linewright_station_logic::{PanelCommand, StationReport, WithdrawalRequest};
+use linewright_station_logic::{AgreementRequest, PanelCommand, StationReport};
 use linewright_testkit::built::transfer_line;
 
 use super::interlock::{BAR, GENERATION, InterlockBench, MILL};
@@ -24,7 +24,7 @@ fn answers(bench: &mut InterlockBench, boot_id: u64, number: u64, in_the_way: Op
 }
 
 fn requests(of: fn(&mut InterlockBench) -> &mut StationReport, bench: &mut InterlockBench, number: Option<u64>) {
-    of(bench).request = number.map(|number| WithdrawalRequest { number, ops: 0 });
+    of(bench).request = number.map(|number| AgreementRequest { number, ops: 0 });
     bench.play();
 }
 

@@ -5,8 +5,8 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
-    Controller, Handled, Ignored, ModeOrder, PanelCommand, Restore, StationInput, StationOutbox, StationReport,
-    WithdrawalAnswer, WithdrawalRequest,
+    AgreementAnswer, AgreementRequest, Controller, Handled, Ignored, ModeOrder, PanelCommand, Restore, StationInput,
+    StationOutbox, StationReport,
 };
 use proptest::prelude::*;
 
@@ -22,11 +22,11 @@ fn pair() -> Line {
 fn a_report_that_does_not_fit_the_description_is_not_taken() {
     let mut rig = Rig::new(pair());
     let good = peer_says(&[0, 0]);
-    let answer = |op| WithdrawalAnswer { to: StationId(0), boot_id: 1, number: 1, in_the_way: Some(OpId(op)) };
+    let answer = |op| AgreementAnswer { to: StationId(0), boot_id: 1, number: 1, in_the_way: Some(OpId(op)) };
     let bad = [
         StationReport { done: vec![0; 3], ..good.clone() },
         StationReport { done: vec![], ..good.clone() },
-        StationReport { request: Some(WithdrawalRequest { number: 1, ops: 0b100 }), ..good.clone() },
+        StationReport { request: Some(AgreementRequest { number: 1, ops: 0b100 }), ..good.clone() },
         StationReport { answers: vec![answer(2)], ..good.clone() },
     ];
     for report in &bad {
@@ -52,11 +52,10 @@ enum Act {
 fn act() -> impl Strategy<Value = Act> {
     let count = prop_oneof![-2i32..3, Just(i32::MIN), Just(i32::MAX)];
     let number = prop_oneof![0u64..3, Just(u64::MAX)];
-    let request = proptest::option::of(
-        (number.clone(), any::<u64>()).prop_map(|(number, ops)| WithdrawalRequest { number, ops }),
-    );
+    let request =
+        proptest::option::of((number.clone(), any::<u64>()).prop_map(|(number, ops)| AgreementRequest { number, ops }));
     let op = proptest::option::of((0u16..70).prop_map(OpId));
-    let answer = (0u16..3, 0u64..3, number, op).prop_map(|(to, boot_id, number, in_the_way)| WithdrawalAnswer {
+    let answer = (0u16..3, 0u64..3, number, op).prop_map(|(to, boot_id, number, in_the_way)| AgreementAnswer {
         to: StationId(to),
         boot_id,
         number,

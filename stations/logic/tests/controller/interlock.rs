@@ -5,8 +5,8 @@ use std::time::Duration;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Arrow, Line, OpId, OutputId, StationId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Program, RejoinAt, Restore,
-    StationInput, StationOutbox, StationReport, WithdrawalAnswer,
+    AgreementAnswer, CompileError, Controller, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Program, RejoinAt,
+    Restore, StationInput, StationOutbox, StationReport,
 };
 
 use linewright_testkit::built::transfer_line;
@@ -81,7 +81,7 @@ impl InterlockBench {
 
     /// Both others answer a request of this life of the clamp.
     pub fn answer(&mut self, boot_id: u64, number: u64, in_the_way: Option<OpId>) {
-        let answer = WithdrawalAnswer { to: CLAMP, boot_id, number, in_the_way };
+        let answer = AgreementAnswer { to: CLAMP, boot_id, number, in_the_way };
         (self.bar.answers, self.mill.answers) = (vec![answer], vec![answer]);
     }
 

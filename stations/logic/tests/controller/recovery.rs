@@ -2,7 +2,7 @@
 
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, StationId};
-use linewright_station_logic::{StationReport, WithdrawalRequest};
+use linewright_station_logic::{AgreementRequest, StationReport};
 
 use super::rig::{Rig, peer_says};
 use linewright_testkit::built::{alone, arrow, complete_bit, i, line, r, station};
@@ -137,7 +137,7 @@ fn going_home_waits_for_the_arrows_into_what_it_skips() {
     rig.hear(StationId(1), peer_says(&[1, 1, 0]));
     rig.retract(true);
     assert!(rig.drives_back(0));
-    let asks = StationReport { request: Some(WithdrawalRequest { number: 1, ops: 0b10 }), ..peer_says(&[1, 1, 0]) };
+    let asks = StationReport { request: Some(AgreementRequest { number: 1, ops: 0b10 }), ..peer_says(&[1, 1, 0]) };
     rig.hear(StationId(1), asks);
     assert_eq!(rig.report().answers[0].in_the_way, Some(OpId(2)), "until it is home x may not go back");
 }
