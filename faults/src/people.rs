@@ -13,6 +13,8 @@ use crate::world::World;
 pub(crate) const NOT_HOME: &str = "not all stations are home";
 /// Steps in which stations are led home.
 const ROUNDS: usize = 60;
+/// Steps after which a station that is in none of its operations is put home by hand.
+const TRIED: usize = 12;
 
 impl World {
     pub(crate) fn controller(&self, at: usize) -> Option<&Controller> {
@@ -172,6 +174,10 @@ impl World {
                     back[at] = self.rng.chance(400);
                 }
                 if self.asks_to_confirm(at) {
+                    let is_nowhere = self.operations_that_fit(StationId::at(at)).is_empty();
+                    if is_nowhere && round > TRIED {
+                        self.put_home(at);
+                    }
                     self.confirm(at, round);
                 }
                 if !self.jog(at, !back[at]) {
@@ -183,6 +189,20 @@ impl World {
             }
         }
         Err(format!("{NOT_HOME}: {}", self.situation()))
+    }
+
+    /// Puts the axes of a station that stands to where it has them at home, by hand: it is in no operation of its own.
+    fn put_home(&mut self, at: usize) {
+        let id = StationId::at(at);
+        if self.controller(at).is_none_or(|c| c.marking().any(|place| place.is_operating())) {
+            return;
+        }
+        let home = self.line.station(id).positions_before_steps().into_iter().next().unwrap_or_default();
+        for (axis, place) in home.into_iter().enumerate() {
+            self.plant.place(self.now, id, linewright_line::AxisId::at(axis), place);
+        }
+        self.note(format!("{} is put to its home place by hand", self.name(at)));
+        self.look_at_devices(at);
     }
 
     /// What the coordinator and the stations say of themselves.

@@ -1,7 +1,8 @@
 //! A station that stands at a rest where its next task cannot begin is brought to another one in hand mode: which button does it.
 //!
 //! The real controllers are played with each button of the console held: what the button begins ends at some rest, or begins nothing, as
-//! where a task waits for an input that is off. A button that moves no other station goes before one that does.
+//! where a task waits for an input that is off. A button that moves another station is none: how far that one goes depends on how long a
+//! person holds it.
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
@@ -61,10 +62,10 @@ fn best_button(
     let all = buttons.filter_map(|button| {
         let (motions, after) = hold(floor, before, button)?;
         let at = after[station.index()].report.order.as_ref()?.rest;
-        (at == Some(rest)).then_some(HeldButton { station, rest, button, motions, after })
+        let moves_others = motions.iter().any(|(id, _)| *id != station);
+        (at == Some(rest) && !moves_others).then_some(HeldButton { station, rest, button, motions, after })
     });
-    let others = |held: &HeldButton| held.motions.iter().filter(|(id, _)| *id != station).count();
-    all.min_by_key(|held| (others(held), held.motions.len()))
+    all.min_by_key(|held| held.motions.len())
 }
 
 /// Holds a button until nothing moves by it any more. None where that does not end.

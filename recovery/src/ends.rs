@@ -36,6 +36,8 @@ pub struct LedActivity {
     pub end: Option<ActivityEnd>,
     /// What is decided; none where either end will do.
     pub decided: Option<DecidedEnd>,
+    /// Every way was tried that keeps ends more strictly than this list does.
+    pub is_certain: bool,
 }
 
 /// A station in a task that was stopped half-way.
@@ -64,9 +66,9 @@ impl CommonEnds {
         CommonEnds { activities: all.filter(|(.., tasks)| !tasks.is_empty()).collect() }
     }
 
-    /// Whether the stations, which stand at rests, stand at ends that belong together.
-    pub fn agree(&self, units: &PlayedStations, kept: KeptEnds) -> bool {
-        self.activities.iter().all(|(_, decided, tasks)| {
+    /// Whether the stations, which stand at rests, stand at ends that belong together, as each activity keeps them.
+    pub fn agree(&self, units: &PlayedStations, kept: &[KeptEnds]) -> bool {
+        self.activities.iter().zip(kept).all(|((_, decided, tasks), kept)| {
             let common = common_end(units, tasks);
             match kept {
                 KeptEnds::Decided => common.is_some_and(|end| decided.as_ref().is_none_or(|of| of.end == end)),
@@ -76,24 +78,40 @@ impl CommonEnds {
         })
     }
 
-    /// What is left of it where no way keeps them so; none where nothing is.
-    pub fn looser(&self, kept: KeptEnds) -> Option<KeptEnds> {
-        let is_decided = self.activities.iter().any(|(_, decided, _)| decided.is_some());
-        let are_several = self.activities.iter().any(|(.., tasks)| tasks.len() > 1);
-        match kept {
-            KeptEnds::Decided if is_decided => Some(KeptEnds::Common),
-            KeptEnds::Decided | KeptEnds::Common if are_several => Some(KeptEnds::Any),
-            KeptEnds::Decided | KeptEnds::Common | KeptEnds::Any => None,
+    /// How ends are kept, for each activity, from the strictest on: where no way keeps them all, one activity gives way, and only then
+    /// all do. One that cannot be led to its end turns no other round.
+    pub fn kept(&self) -> Vec<Vec<KeptEnds>> {
+        let strict = vec![KeptEnds::Decided; self.activities.len()];
+        let mut all = vec![strict.clone()];
+        for looser in [KeptEnds::Common, KeptEnds::Any] {
+            for (at, (_, decided, tasks)) in self.activities.iter().enumerate() {
+                let is_looser = if looser == KeptEnds::Common { decided.is_some() } else { tasks.len() > 1 };
+                if is_looser {
+                    let mut kept = strict.clone();
+                    kept[at] = looser;
+                    all.push(kept);
+                }
+            }
         }
+        all.extend([KeptEnds::Common, KeptEnds::Any].map(|looser| vec![looser; self.activities.len()]));
+        let mut seen = Vec::new();
+        all.retain(|kept| {
+            !seen.contains(kept) && {
+                seen.push(kept.clone());
+                true
+            }
+        });
+        if self.activities.is_empty() { vec![Vec::new()] } else { all }
     }
 
     /// Where the stations stand at last.
-    pub fn led(&self, last: &PlayedStations) -> Vec<LedActivity> {
+    pub fn led(&self, last: &PlayedStations, is_certain: bool) -> Vec<LedActivity> {
         let led = |(alarm, decided, tasks): &(u64, Option<DecidedEnd>, Vec<TaskUnderWay>)| LedActivity {
             alarm: *alarm,
             stations: tasks.iter().map(|task| task.station).collect(),
             end: common_end(last, tasks),
             decided: decided.clone(),
+            is_certain,
         };
         self.activities.iter().map(led).collect()
     }

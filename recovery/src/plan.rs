@@ -9,7 +9,7 @@ use linewright_station_logic::StationReport;
 
 use crate::bring;
 use crate::desk::Desk;
-use crate::ends::{CommonEnds, KeptEnds, LedActivity};
+use crate::ends::{CommonEnds, LedActivity};
 use crate::image;
 use crate::restore::{RestoreMisfit, unit};
 use crate::search::{Move, Search};
@@ -364,16 +364,24 @@ fn by_commands_and_presses(
     let stay: Vec<StationId> = situation.left_out.iter().copied().filter(|id| !led.contains(id)).collect();
     let ends = CommonEnds::of(line, situation, led);
     let search = |kept| Search::new(&floor, &stay, !by_selectors, (&ends, kept), &accepted);
-    let mut kept = KeptEnds::Decided;
-    let found = loop {
-        match (search(kept).run(&desk.units), ends.looser(kept)) {
-            (Ok(found), _) => break found,
-            (Err(_), Some(looser)) => kept = looser,
-            (Err(failed), None) => {
-                let end = no_way(line, &desk.units, failed.is_certain);
-                return RecoveryPlan { expanded: failed.expanded, ..RecoveryPlan::ends(steps, end) };
+    let (mut failed, mut is_certain, mut way) = (None, true, None);
+    let all_kept = ends.kept();
+    for kept in &all_kept {
+        match search(kept).run(&desk.units) {
+            Ok(found) => {
+                way = Some((kept, found));
+                break;
+            }
+            Err(none) => {
+                is_certain &= none.is_certain;
+                failed = Some(none);
             }
         }
+    }
+    let Some((kept, found)) = way else {
+        let end = no_way(line, &desk.units, is_certain);
+        let expanded = failed.map_or(0, |failed| failed.expanded);
+        return RecoveryPlan { expanded, ..RecoveryPlan::ends(steps, end) };
     };
     let last = found.moves.last().map_or_else(|| desk.units.clone(), |last| last.after.clone());
     steps.extend(pressed(line, &desk.units, &found.moves, by_selectors));
@@ -395,8 +403,15 @@ fn by_commands_and_presses(
         steps.push(commanded(command, &desk));
     }
     let (end, begins_anew) = (RecoveryEnd::Auto, search(kept).leads_home(&last));
-    let led = ends.led(&last);
-    RecoveryPlan { steps, end, is_shortest: found.is_shortest, begins_anew, led, expanded: found.expanded }
+    let led = ends.led(&last, is_certain);
+    RecoveryPlan {
+        steps,
+        end,
+        is_shortest: found.is_shortest && is_certain,
+        begins_anew,
+        led,
+        expanded: found.expanded,
+    }
 }
 
 fn commanded(command: ModeCommand, after: &Desk) -> RecoveryStep {

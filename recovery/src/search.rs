@@ -90,7 +90,7 @@ pub(crate) struct Search<'f, 'l> {
     resumes: bool,
     /// Stations of one activity end it alike.
     ends: &'f CommonEnds,
-    kept: KeptEnds,
+    kept: &'f [KeptEnds],
     accepted: &'f dyn Fn(&PlayedStations) -> bool,
 }
 
@@ -106,7 +106,7 @@ impl<'f, 'l> Search<'f, 'l> {
         floor: &'f PlayedLine<'l>,
         left_out: &'f [StationId],
         resumes: bool,
-        (ends, kept): (&'f CommonEnds, KeptEnds),
+        (ends, kept): (&'f CommonEnds, &'f [KeptEnds]),
         accepted: &'f dyn Fn(&PlayedStations) -> bool,
     ) -> Self {
         let line: &'l Line = floor.line;

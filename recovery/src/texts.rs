@@ -329,8 +329,9 @@ impl LedActivity {
         let names = names.join(" and ");
         let (are, their) = if self.stations.len() > 1 { ("are", "their tasks") } else { ("is", "its task") };
         let Some(end) = self.end else {
+            let are_not = if self.is_certain { "cannot be led" } else { "are not led, as far as was searched," };
             return format!(
-                "alarm {}: {names} cannot be led to the same end of {their}: see where the part is, and answer by that",
+                "alarm {}: {names} {are_not} to the same end of {their}: see where the part is, and answer by that",
                 self.alarm
             );
         };
@@ -340,7 +341,8 @@ impl LedActivity {
         };
         let why = match &self.decided {
             Some(decided) if decided.end == end => format!("since {}", decided.because),
-            Some(decided) => format!("although {}: no presses lead {other}", decided.because),
+            Some(decided) if self.is_certain => format!("although {}: no presses lead {other}", decided.because),
+            Some(decided) => format!("although {}: no presses were found that lead {other}", decided.because),
             None => "which is shorter".to_owned(),
         };
         format!("alarm {}: {names} {are} {way}, {why}", self.alarm)

@@ -158,6 +158,8 @@ struct Session {
     cell: Option<CellRun>,
     /// What it gives on the way to auto.
     auto_once: AutoOnce,
+    /// Text of the command given last on the way to auto.
+    given: String,
     /// One of the buses is virtual at least, and so may those of the nodes be.
     virtual_bus: bool,
     /// The picture is shown on a terminal.
@@ -227,6 +229,7 @@ impl Session {
             startup: StartUp::default(),
             target: args.cycles,
             cell: None,
+            given: String::new(),
             auto_once: if args.no_auto { AutoOnce::by_others() } else { AutoOnce::default() },
             virtual_bus,
             live,

@@ -72,7 +72,19 @@ impl Session {
     pub(super) fn begin(&mut self, state: &LineState) {
         let ready = self.all_ready();
         match self.auto_once.next(state, ready) {
-            AutoStep::Give(command) if self.say(command) => self.print(&format!("gives {command}")),
+            AutoStep::Give(command) if self.say(command) => {
+                let given = match state.refusal.as_str() {
+                    "" => format!("gives {command}"),
+                    refusal => {
+                        format!("gives {command} until it is taken: {refusal}; `linewright recover` lists the way")
+                    }
+                };
+                // Once, however often it is given.
+                if given != self.given {
+                    self.note(given.clone());
+                    self.given = given;
+                }
+            }
             AutoStep::Give(_) | AutoStep::Wait => {}
             AutoStep::InAuto => {
                 self.tally.begin(&state.header);

@@ -43,8 +43,9 @@ pub enum StationInput<'a> {
     Order(ModeOrder),
     /// An emergency stop that is no newer order, given by this life of a coordinator: by another one than is followed, or
     /// in a message that came late or twice. In force while it is received, and until the coordinator that is followed
-    /// has ordered the emergency stop too and ended it.
-    EmergencyStop(u64),
+    /// has ordered the emergency stop too and ended it. With its epoch where it is of the coordinator that has still to be followed: a
+    /// later epoch of that ends it.
+    EmergencyStop(u64, Option<u64>),
     /// Another coordinator gives orders beside the one that is followed, or no longer does.
     Contest(Option<RivalCoordinators>),
     /// The caller stood still for longer than a message lasts: the order's lease has ended.
@@ -253,7 +254,7 @@ impl Controller {
                 self.due.report |= self.commands.epoch() != epoch;
                 return taken;
             }
-            StationInput::EmergencyStop(life) => self.commands.stop(now, life, self.stale),
+            StationInput::EmergencyStop(life, epoch) => self.commands.stop(now, (life, epoch), self.stale),
             StationInput::Contest(contest) => {
                 self.commands.contest(contest);
                 self.due.report = true;

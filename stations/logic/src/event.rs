@@ -98,7 +98,7 @@ pub enum HappeningKind {
     IndexDoubtful(OpId, InputId, Option<PlacesApart>),
     /// All axes are measured where the chart has them again.
     PositionFound,
-    /// Agreement to a withdrawal was asked for, under this number.
+    /// Agreement was asked for, under this number.
     Asked(u64),
     /// A station did not agree, because this operation of its own has started.
     NotAgreed {

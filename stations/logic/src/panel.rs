@@ -181,7 +181,7 @@ impl Commands {
             if !is_stop {
                 return Err(Ignored::OlderEpoch);
             }
-            self.stop(now, order.boot_id, term);
+            self.stop(now, (order.boot_id, None), term);
             return Ok(());
         }
         // A button that another coordinator holds down was not pressed now.
@@ -204,9 +204,13 @@ impl Commands {
         Ok(())
     }
 
-    /// An emergency stop that is no newer order, of this life of a coordinator.
-    pub(crate) fn stop(&mut self, now: Tick, life: u64, term: Duration) {
+    /// An emergency stop that is no newer order, of this life of a coordinator. With an epoch, and while no order was followed yet, a
+    /// later one of that life ends it.
+    pub(crate) fn stop(&mut self, now: Tick, (life, epoch): (u64, Option<u64>), term: Duration) {
         let stop = self.stop.get_or_insert_default();
+        if self.order.is_none() && stop.ordered.is_none() {
+            stop.ordered = epoch.map(|epoch| (life, epoch));
+        }
         if self.order.is_none_or(|order| order.boot_id != life) {
             stop.hear_another(life, now + term);
         }

@@ -66,6 +66,8 @@ pub struct StationShell {
     expected: Tick,
     /// Arrivals before this may have waited while the process stood still: their age is unknown.
     doubts_until: Tick,
+    /// Since when orders do not name this start of the station.
+    unnamed_since: Tick,
     ignored: u64,
 }
 
@@ -103,6 +105,7 @@ impl StationShell {
             lease: line.timing.lease,
             expected: Tick::NEVER,
             doubts_until: Tick::ZERO,
+            unnamed_since: Tick::NEVER,
             ignored: 0,
         })
     }
@@ -234,6 +237,7 @@ impl StationShell {
         // What was decided without this start of the station was decided for another one: an order of before an emergency stop
         // that arrives once more would start a motion within it, and a second process would obey beside the first.
         let is_for_other_life = self.rules.lives && order.station_life != self.boot_id;
+        self.unnamed_since = if is_for_other_life { self.unnamed_since.min(now) } else { Tick::NEVER };
         let jumps = self.rules.epochs && followed != 0 && order.epoch > followed.saturating_add(EPOCH_JUMP_MAX);
         // Followed, the others would shut out every coordinator that counts as it should, or outlive their sender.
         let why = match () {
@@ -244,15 +248,19 @@ impl StationShell {
         };
         if let Some(why) = why {
             if order.mode == ControlMode::EStop {
-                self.controller.handle(now, StationInput::EmergencyStop(order.boot_id));
+                // Of a coordinator that has only to receive this start, a later epoch is decided after the stop.
+                let epoch = is_for_other_life.then_some(order.epoch);
+                self.controller.handle(now, StationInput::EmergencyStop(order.boot_id, epoch));
             }
-            return Handled::Ignored(why);
+            // Until the coordinator has received a station that was started, its orders name none or the start before.
+            let is_usual = is_for_other_life && now < self.unnamed_since + 2 * self.stale;
+            return if is_usual { Handled::Taken } else { Handled::Ignored(why) };
         }
         let is_newest = self.orders.offer(now, order.boot_id, sequence) || !self.rules.numbers;
         let is_stop = order.mode == ControlMode::EStop;
         match (is_newest && !is_doubtful, is_stop) {
             (true, _) => self.controller.handle(now, StationInput::Order(order)),
-            (false, true) => self.controller.handle(now, StationInput::EmergencyStop(order.boot_id)),
+            (false, true) => self.controller.handle(now, StationInput::EmergencyStop(order.boot_id, None)),
             (false, false) => Handled::Taken,
         }
     }

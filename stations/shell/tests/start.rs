@@ -14,18 +14,25 @@ fn an_order_that_does_not_name_this_start_is_followed_into_the_emergency_stop_on
         rig.act();
         let controller = rig.shell.controller();
         assert_eq!((rig.mode(), controller.followed(), controller.mode_epoch()), (StandBy, 0, 0), "{station_life}");
-        assert!(
-            rig.effects.iter().any(|effect| format!("{effect:?}").contains("name this start")),
-            "{:?}",
-            rig.effects
-        );
+        let is_reported =
+            |rig: &Rig| rig.effects.iter().any(|effect| format!("{effect:?}").contains("name this start"));
+        assert!(!is_reported(&rig), "{:?}", rig.effects);
+        rig.pass(2 * rig.timing().stale);
+        rig.order_to(station_life, 901, (FOLLOWED, 5, Manual));
+        assert!(is_reported(&rig), "for long: {:?}", rig.effects);
         // Its number does not count either.
         rig.order(FOLLOWED, 5, Manual);
         rig.act();
         assert_eq!(rig.mode(), Manual);
         rig.restart();
-        rig.order_to(station_life, 901, (FOLLOWED, 5, EStop));
+        rig.order_to(station_life, 902, (FOLLOWED, 5, EStop));
         rig.act();
         assert_eq!(rig.mode(), EStop, "{station_life}");
+        // The stop was reset before an order named this start: a later epoch ends it, and the same does not.
+        for (epoch, mode) in [(5, EStop), (6, Manual)] {
+            rig.order(FOLLOWED, epoch, Manual);
+            rig.act();
+            assert_eq!(rig.mode(), mode, "{station_life}");
+        }
     }
 }

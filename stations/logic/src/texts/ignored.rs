@@ -11,7 +11,7 @@ impl Ignored {
             Ignored::Misfit => "report that does not fit the line description; use the same one on all hosts",
             Ignored::NoTasks => "task order for a station that is not task-driven",
             Ignored::OtherLife => {
-                "mode command that does not name this start of the station: decided before it, or the station runs twice"
+                "mode command that does not name this start of the station: the coordinator does not receive it, or it runs twice"
             }
             Ignored::EpochTooHigh => "mode command or task order with an epoch too far above the last one",
             Ignored::LeaseTooLong => "mode command with a longer lease than the line description gives",
