@@ -170,7 +170,7 @@ impl OperatorClient {
         self.others.keys().next().copied()
     }
 
-    /// The stations whose nodes run with another description, in words.
+    /// For each station whose node runs with another number of operations than the description here: a text with both numbers.
     pub fn other_descriptions(&self) -> Vec<String> {
         let text = |(id, runs): (&StationId, &usize)| {
             let station = self.line.station(*id);

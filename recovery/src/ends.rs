@@ -2,8 +2,8 @@
 //!
 //! An activity is done at every station or at none. Led one by one on the shortest way, one station would finish its part of a transfer
 //! and the other take its part back: no answer is true then. So the ends of all are one goal of the search. A station that has
-//! completed its order, or one that stands where its order began, decides for the others. Where an end cannot be reached the other one is
-//! taken, and if neither can, the list says that they differ.
+//! completed its order, or one that stands where its order began, decides for the others. Where that end cannot be reached the other one is
+//! taken, and where neither can, the stations end differently, which the plan reports ([`LedActivity`]).
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -93,15 +93,10 @@ impl CommonEnds {
                 }
             }
         }
-        all.extend([KeptEnds::Common, KeptEnds::Any].map(|looser| vec![looser; self.activities.len()]));
-        let mut seen = Vec::new();
-        all.retain(|kept| {
-            !seen.contains(kept) && {
-                seen.push(kept.clone());
-                true
-            }
-        });
-        if self.activities.is_empty() { vec![Vec::new()] } else { all }
+        if self.activities.len() > 1 {
+            all.extend([KeptEnds::Common, KeptEnds::Any].map(|looser| vec![looser; self.activities.len()]));
+        }
+        all
     }
 
     /// Where the stations stand at last.
@@ -118,7 +113,7 @@ impl CommonEnds {
 }
 
 /// The ends that stations were seen to reach since an alarm stands: a report at a rest where a task begins and ends alike does not
-/// have which of the two it is. Whoever makes one plan after another keeps it.
+/// have which of the two it is. To be kept from one plan to the next.
 #[derive(Default)]
 pub struct EndsReached(BTreeMap<u64, Vec<TaskUnderWay>>);
 

@@ -364,24 +364,15 @@ fn by_commands_and_presses(
     let stay: Vec<StationId> = situation.left_out.iter().copied().filter(|id| !led.contains(id)).collect();
     let ends = CommonEnds::of(line, situation, led);
     let search = |kept| Search::new(&floor, &stay, !by_selectors, (&ends, kept), &accepted);
-    let (mut failed, mut is_certain, mut way) = (None, true, None);
-    let all_kept = ends.kept();
-    for kept in &all_kept {
-        match search(kept).run(&desk.units) {
-            Ok(found) => {
-                way = Some((kept, found));
-                break;
-            }
-            Err(none) => {
-                is_certain &= none.is_certain;
-                failed = Some(none);
-            }
-        }
-    }
+    let (all_kept, mut failed) = (ends.kept(), Vec::new());
+    let way = all_kept.iter().find_map(|kept| {
+        let found = search(kept).run(&desk.units).map_err(|none| failed.push(none)).ok()?;
+        Some((kept, found))
+    });
+    let is_certain = failed.iter().all(|none| none.is_certain);
     let Some((kept, found)) = way else {
-        let end = no_way(line, &desk.units, is_certain);
-        let expanded = failed.map_or(0, |failed| failed.expanded);
-        return RecoveryPlan { expanded, ..RecoveryPlan::ends(steps, end) };
+        let expanded = failed.last().map_or(0, |none| none.expanded);
+        return RecoveryPlan { expanded, ..RecoveryPlan::ends(steps, no_way(line, &desk.units, is_certain)) };
     };
     let last = found.moves.last().map_or_else(|| desk.units.clone(), |last| last.after.clone());
     steps.extend(pressed(line, &desk.units, &found.moves, by_selectors));

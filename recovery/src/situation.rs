@@ -41,7 +41,7 @@ pub struct StandingAlarm {
     pub text: String,
     /// What can be answered, when it is done.
     pub answers: Vec<String>,
-    /// What each of them says; may be shorter.
+    /// Meanings of `answers`, in their order; shorter where the coordinator sends none.
     pub meanings: Vec<String>,
     /// Stations that are to be led to a rest by hand before that.
     pub lead: Vec<StationId>,

@@ -182,9 +182,9 @@ impl Link {
         self.say_state(now, network, is_known, version, || LinkPayload::Heard(heard));
     }
 
-    pub(crate) fn say_order(&mut self, now: Tick, network: &Network, order: ModeOrder, version: u64) {
+    pub(crate) fn say_order(&mut self, now: Tick, network: &Network, order: ModeOrder) {
         let is_known = matches!(&self.said, Some(LinkPayload::Order(before)) if *before == order);
-        self.say_state(now, network, is_known, version, || LinkPayload::Order(order));
+        self.say_state(now, network, is_known, self.said_version, || LinkPayload::Order(order));
     }
 
     fn say_state(

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use linewright_coordinator_logic::StationView;
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, CoordinatorShell, heard};
 use linewright_line::{Line, StationId, Tick};
-use linewright_station_logic::{CompileError, Controller, ModeOrder, Restore, StationReport, StationSnapshot};
+use linewright_station_logic::{CompileError, Controller, Restore, StationReport, StationSnapshot};
 use linewright_station_shell::{StationArrival, StationEffect, StationShell};
 
 use crate::field::SeenInputs;
@@ -199,9 +199,6 @@ pub(crate) struct CoordinatorNode {
     console: Option<(u128, bool)>,
     /// Where links keep the order of messages each is newer than the one before.
     taken: u64,
-    /// The number of the order it gives now.
-    pub(crate) version: u64,
-    order: Option<ModeOrder>,
 }
 
 impl CoordinatorNode {
@@ -215,8 +212,6 @@ impl CoordinatorNode {
             journal,
             console: None,
             taken: 0,
-            version: 0,
-            order: None,
         }
     }
 
@@ -263,15 +258,5 @@ impl CoordinatorNode {
             self.journal = record;
         }
         self.shell.remembered(now, record, !self.disk_is_full)
-    }
-
-    /// The order as it stands; its number grows when it differs from the last one.
-    pub(crate) fn order(&mut self) -> ModeOrder {
-        let order = self.shell.order();
-        if self.order != Some(order) {
-            self.order = Some(order);
-            self.version += 1;
-        }
-        order
     }
 }

@@ -5,7 +5,6 @@
 
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
-use linewright_station_logic::ModeOrder;
 
 use crate::link::LinkPayload;
 use crate::sim::LineSim;
@@ -84,16 +83,13 @@ impl LineSim {
     }
 
     pub(crate) fn say_order(&mut self) {
-        // Buttons held by message run out without a message.
-        let order = self.coordinator.order();
-        let (now, network, version) = (self.now, self.options.network, self.coordinator.version);
+        let (now, network) = (self.now, self.options.network);
         let node = self.coordinator_node();
         for index in 0..self.out_of[node].len() {
             let number = self.out_of[node][index];
             if self.is_up(self.links[number].to) {
-                let to = self.coordinator.shell.order_for(StationId::at(self.links[number].to));
-                let order = ModeOrder { station_life: to.station_life, ..order };
-                self.links[number].say_order(now, &network, order, version);
+                let order = self.coordinator.shell.order_for(StationId::at(self.links[number].to));
+                self.links[number].say_order(now, &network, order);
                 self.timers.set(number, self.links[number].wakes());
             }
         }

@@ -176,7 +176,7 @@ impl CellClient {
     }
 }
 
-/// The answers to an alarm, each with what it says.
+/// Answers to an alarm as one line of text, each with its meaning in parentheses.
 pub fn answers(alarm: &AlarmState) -> String {
     let meaning = |at: usize| alarm.meanings.get(at).filter(|text| !text.is_empty());
     let answer = |(at, word): (usize, &String)| match meaning(at) {

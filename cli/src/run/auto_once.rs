@@ -1,4 +1,4 @@
-//! `run` brings the line to auto once. Whoever stops it after that, or leads it elsewhere on the way there, decides when it goes on.
+//! Mode commands by which `run` brings the line to auto, once. After a change of mode that is not its own it gives no further command.
 
 use linewright_msgs::{LineState, StationState};
 

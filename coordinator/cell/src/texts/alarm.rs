@@ -197,7 +197,8 @@ fn awaited(
     }
 }
 
-/// What each answer to an alarm says: how it goes on, and where the part is then.
+/// Meanings of the answers to an alarm, in the order of its `words`: what becomes of the activity, and where its part is then. Empty for
+/// an answer that no rule has.
 pub fn meanings(of: &Coordination, alarm: &Alarm) -> Vec<String> {
     let state = of.state();
     let (handling, rulings) = (state.table().handling(), of.rulings(alarm.id));
@@ -314,7 +315,7 @@ pub enum AlarmText<'a> {
     OnlyDone,
     /// No answer has the part where it was to go.
     OnlyBefore,
-    /// What an answer says.
+    /// Meaning of an answer: where the part is, and what becomes of its activity.
     Meaning { part: Whereabouts, then: Strategy, at: &'a str },
     /// Where the part is by an answer.
     PartAt { place: &'a str },
