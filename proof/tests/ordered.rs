@@ -17,6 +17,7 @@ use linewright_coordinator_cell::{
 use linewright_coordinator_shell::orders;
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{Line, MotionSignals, OperationModule, StationId, Tick, parse};
+use linewright_orders::LeaveWay;
 use linewright_proof::generate::Random;
 use linewright_station_logic::{
     Controller, HappeningKind, ModeOrder, NO_DELAY, Restore, StationInput, StationOutbox, TaskCommand,
@@ -86,7 +87,7 @@ struct Served {
 
 enum Flying {
     Order(OrderMessage),
-    Secure(StationId, Key, bool),
+    Secure(StationId, Key, LeaveWay),
     Answer(StationId, Key, Answer),
     State(StationId, u64, TaskReport),
 }
@@ -241,7 +242,7 @@ impl World {
         while let Some(entry) = self.flying.first_entry().filter(|entry| entry.key().0 <= self.now) {
             match entry.remove() {
                 Flying::Order(message) => self.deliver(&message),
-                Flying::Secure(station, key, stop) => self.secure(station, key, stop),
+                Flying::Secure(station, key, way) => self.secure(station, key, way),
                 Flying::Answer(station, key, answer) => arrived.push((station, Err((key, answer)))),
                 Flying::State(station, number, heard) if number > self.newest[station.index()] => {
                     self.newest[station.index()] = number;
@@ -262,7 +263,7 @@ impl World {
         for send in out.sends {
             match send {
                 CellMessage::Order(message) => self.fly(|| Flying::Order(message.clone())),
-                CellMessage::Secure { station, key, stop } => self.fly(|| Flying::Secure(station, key, stop)),
+                CellMessage::Secure { station, key, way } => self.fly(|| Flying::Secure(station, key, way)),
             }
         }
     }
@@ -283,9 +284,9 @@ impl World {
     }
 
     /// The coordinator receives its answer by its state as well.
-    fn secure(&mut self, to: StationId, key: Key, stop: bool) {
+    fn secure(&mut self, to: StationId, key: Key, way: LeaveWay) {
         let station = &mut self.stations[to.index()];
-        station.controller.handle(self.now, StationInput::Task(TaskCommand::leave(key, stop)));
+        station.controller.handle(self.now, StationInput::Task(TaskCommand::Leave(key, way)));
         station.step(&self.line, self.now);
         station.out.replies.clear();
     }

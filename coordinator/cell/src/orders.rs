@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use linewright_line::{RestId, StationId, Tick};
-use linewright_orders::TaskOrder;
+use linewright_orders::{LeaveWay, TaskOrder};
 pub use linewright_orders::{TaskOutcome, TaskReply};
 
 use super::exception::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
@@ -24,7 +24,7 @@ pub enum PlayerInput<'a> {
     /// A station's answer to one order.
     Reply(StationId, OrderKey, TaskReply),
     /// A station's answer to the order to leave an order.
-    Secured(StationId, OrderKey, TaskReply),
+    Secured(StationId, OrderKey, LeaveWay, TaskReply),
     /// Whether activities may start: the line is in auto, and enabled. They may not until this is received.
     Starts(bool),
     /// The stations that are in manual by themselves, and no others, each with the epoch since which it is: none gets an order.
@@ -107,6 +107,9 @@ pub struct TaskReport {
     pub is_held: bool,
     /// The rest at which it stands; none while it moves, between rests, or where it is not known.
     pub rest: Option<RestId>,
+    /// Between rests: an operation of its task that waits for inputs or other stations has started, and is not taken back. Another
+    /// station may rely on where this one stands.
+    pub is_in_handshake: bool,
     /// Why it could not do anything now; none if it could.
     pub unable: Option<StationUnavailable>,
     /// Whether there is a part where its sensor looks.
@@ -153,14 +156,12 @@ impl PlayerOutbox {
 pub enum CellMessage {
     /// Do this.
     Order(OrderMessage),
-    /// Leave an order, and go back to where it began as far as that goes by itself. A station that has done it already
-    /// has; one that has not received it is not to do it.
+    /// Leave an order. A station that has done it already has; one that has not received it is not to do it.
     Secure {
         /// Station to be secured.
         station: StationId,
         key: OrderKey,
-        /// Do not go back: stop at once, and stand there.
-        stop: bool,
+        way: LeaveWay,
     },
 }
 

@@ -132,7 +132,7 @@ impl Coordination {
         dispatcher: &mut dyn Dispatcher,
         out: &mut PlayerOutbox,
     ) {
-        let now = now.max(self.state.now());
+        let now = self.watch.steps(now.max(self.state.now()));
         let mut told = out.records.len();
         out.is_requested |= inputs.iter().any(PlayerInput::is_request);
         for input in inputs {
@@ -145,7 +145,7 @@ impl Coordination {
                     }
                     self.reply(now, station, key, reply, out);
                 }
-                PlayerInput::Secured(_, key, reply) => self.watch.answered(now, key, reply),
+                PlayerInput::Secured(_, key, way, reply) => self.watch.answered(now, key, way, reply),
                 PlayerInput::Starts(may) => self.starts = may,
                 PlayerInput::InManual(stations) => self.lead_by_hand(stations),
                 PlayerInput::Production(ticket, command) => {

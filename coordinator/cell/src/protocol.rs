@@ -13,10 +13,12 @@ pub struct ProtocolRules {
     pub stands_first: bool,
     /// After an alarm given by hand stations are ordered to stop. Off: to go back, as after any other failure.
     pub stops: bool,
+    /// A station is ordered back only while the activity's other stations stand where their orders began. Off: always.
+    pub goes_back_alone: bool,
 }
 
 impl Default for ProtocolRules {
     fn default() -> Self {
-        ProtocolRules { slot_counts: true, stands_first: true, stops: true }
+        ProtocolRules { slot_counts: true, stands_first: true, stops: true, goes_back_alone: true }
     }
 }

@@ -18,6 +18,7 @@ pub fn heard(report: &TaskOrderReport) -> TaskReport {
         results: report.results.clone(),
         is_held: report.slot.is_none() && report.rest.is_none(),
         rest: report.rest,
+        is_in_handshake: report.is_in_handshake,
         ..TaskReport::default()
     }
 }

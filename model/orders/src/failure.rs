@@ -61,8 +61,8 @@ impl TaskFailure {
             TaskFailure::Fault => "station fault".to_owned(),
             TaskFailure::Interrupted => "interrupted by an emergency stop or a change of mode".to_owned(),
             TaskFailure::Restarted => "station controller restarted during the task".to_owned(),
-            TaskFailure::Cancelled => "undone on request".to_owned(),
-            TaskFailure::Held => "undone on request as far as possible; lead it to a rest in manual".to_owned(),
+            TaskFailure::Cancelled => "left on request".to_owned(),
+            TaskFailure::Held => "left on request, undone as far as possible; lead it to a rest in manual".to_owned(),
             TaskFailure::Stopped => "stopped on request between two rests; lead it to a rest in manual".to_owned(),
             TaskFailure::Other(code) => format!("code {code}"),
         }

@@ -63,16 +63,38 @@ pub struct TaskOrder {
 #[derive(Clone, Copy, Debug)]
 pub enum TaskCommand<'a> {
     Run(&'a TaskOrder),
-    /// To leave an order be, and to go back to the rest where the task began, as far as it can by itself.
-    Secure(OrderKey),
-    /// To leave an order be, and to stand still at once, wherever that is.
-    Stop(OrderKey),
+    /// To leave an order.
+    Leave(OrderKey, LeaveWay),
 }
 
-impl TaskCommand<'_> {
-    /// To leave an order be: to go back, or to stand still at once.
-    pub const fn leave(key: OrderKey, stop: bool) -> Self {
-        if stop { TaskCommand::Stop(key) } else { TaskCommand::Secure(key) }
+/// How an order is left. One that has not begun ends without a motion, whichever it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LeaveWay {
+    /// The motion under way ends, then the task is taken back to the rest where it began, as far as that goes by itself.
+    Back,
+    /// The motion under way ends, then the station stands. It may be ordered back afterwards.
+    Hold,
+    /// The station stands at once. Only a person leads on from there.
+    Stop,
+}
+
+impl LeaveWay {
+    /// Number in messages.
+    pub const fn number(self) -> u8 {
+        match self {
+            LeaveWay::Back => 0,
+            LeaveWay::Hold => 1,
+            LeaveWay::Stop => 2,
+        }
+    }
+
+    /// The way with this number. One that is not known stops: that moves nothing.
+    pub const fn from_number(number: u8) -> Self {
+        match number {
+            0 => LeaveWay::Back,
+            1 => LeaveWay::Hold,
+            2..=u8::MAX => LeaveWay::Stop,
+        }
     }
 }
 

@@ -206,7 +206,9 @@ pub fn order_state() -> OrderState {
         phase: RunTaskFeedback::PHASE_RUNNING,
         secured_epoch: 3,
         secured_id: 37,
+        secured_way: SecureOrder::WAY_HOLD,
         rest: "home".into(),
+        in_handshake: true,
         ended: Bounded::new(vec![end(38, RunTaskResult::END_DONE, 0), end(40, RunTaskResult::END_FAILED, 7)]).unwrap(),
         refused: Bounded::new(vec![end(39, RunTaskResult::END_REFUSED, RunTaskResult::REFUSED_BUSY)]).unwrap(),
         inputs: Bounded::new(vec![0b101, 0x80]).unwrap(),
@@ -214,7 +216,7 @@ pub fn order_state() -> OrderState {
 }
 
 pub fn secure_order() -> SecureOrder {
-    SecureOrder { epoch: 3, id: 41, stop: true }
+    SecureOrder { epoch: 3, id: 41, way: SecureOrder::WAY_STOP }
 }
 
 pub fn production_request() -> ProductionRequest {

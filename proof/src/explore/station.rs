@@ -7,6 +7,7 @@
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{OpId, StationId, TaskId, Tick};
+use linewright_orders::LeaveWay;
 use linewright_station_logic::{
     CompileError, Controller, ModeOrder, NO_DELAY, PanelCommand, RequestWriter, Restore, StationHappening,
     StationInput, StationOutbox, StationReport, TaskCommand,
@@ -374,7 +375,7 @@ impl Situation {
             }
             StationAct::Secure => {
                 let key = super::orders::key(self.order);
-                self.controller.handle(self.now, StationInput::Task(TaskCommand::Secure(key)));
+                self.controller.handle(self.now, StationInput::Task(TaskCommand::Leave(key, LeaveWay::Back)));
                 self.step(events);
             }
             StationAct::Expire => {

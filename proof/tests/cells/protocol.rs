@@ -4,8 +4,8 @@ use linewright_cell::Cell;
 use linewright_line::Line;
 use linewright_proof::cell::Verdict;
 use linewright_proof::cell::protocol::{
-    ANSWERED, ActivityExplored, BrokenRule, ENDED, GIVEN, ProtocolSetting, RESTORED, STOPPED, TWICE, check_protocol,
-    properties,
+    ANSWERED, ActivityExplored, BACK, BrokenRule, ENDED, GIVEN, ProtocolSetting, RESTORED, STOPPED, TWICE,
+    check_protocol, properties,
 };
 use linewright_proof::explore::LimitReached;
 
@@ -170,7 +170,9 @@ fn a_station_that_goes_back_with_every_message_moves_after_an_alarm() {
 
 #[test]
 fn a_station_that_does_what_it_has_done_does_it_twice() {
-    let found = without(LOAD, 0, |setting| setting.order_rules.does_once = false);
+    let found = without(LOAD, 0, |setting| {
+        (setting.order_rules.does_once, setting.asked) = (false, Some(TWICE));
+    });
     assert_eq!(found.rule, TWICE);
 }
 
@@ -190,6 +192,17 @@ fn told_to_go_back_after_an_alarm_a_station_moves_on() {
 fn a_station_that_goes_back_when_it_is_told_to_stop_moves_on() {
     let found = without(LOAD, 1, |setting| setting.order_rules.stops_at_once = false);
     assert_eq!(found.rule, STOPPED);
+}
+
+/// The robot has come to the clamp, which may have closed.
+#[test]
+fn a_station_that_is_ordered_back_whatever_the_other_does_leaves_it_alone() {
+    let found = without(LOAD, 0, |setting| setting.rules.goes_back_alone = false);
+    assert_eq!(found.rule, BACK);
+    let by_itself = without(LOAD, 0, |setting| {
+        (setting.order_rules.ends_standing, setting.asked) = (false, Some(BACK));
+    });
+    assert_eq!(by_itself.rule, BACK);
 }
 
 #[test]

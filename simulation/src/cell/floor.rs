@@ -15,6 +15,7 @@ use linewright_coordinator_cell::{
 use linewright_coordinator_shell::orders;
 use linewright_line::net::ControlMode;
 use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
+use linewright_orders::LeaveWay;
 use linewright_plant::{NestPosition, PartNo, Plant, PlantOptions};
 use linewright_station_logic::{
     self as station, CompileError, Controller, ModeOrder, NO_DELAY, PanelCommand, Restore, StationInput,
@@ -322,8 +323,14 @@ impl ShopFloor {
     }
 
     /// Reply of a station to the order to leave an order.
-    pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey, stop: bool) -> Option<TaskReply> {
-        self.command(now, to, TaskCommand::leave(key, stop))
+    pub(super) fn told_to_leave(
+        &mut self,
+        now: Tick,
+        to: StationId,
+        key: OrderKey,
+        way: LeaveWay,
+    ) -> Option<TaskReply> {
+        self.command(now, to, TaskCommand::Leave(key, way))
     }
 
     fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<TaskReply> {

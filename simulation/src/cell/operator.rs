@@ -26,7 +26,7 @@ impl SimulatedOperator {
             let word = match about {
                 AlarmSubject::Firing(firing) => {
                     leave_out(sim, dispatcher, firing);
-                    self.put_right(sim, alarm, firing)
+                    self.put_right(sim, dispatcher, alarm, firing)
                 }
                 AlarmSubject::Resource(resource) => {
                     mend(sim, resource);
@@ -46,15 +46,28 @@ impl SimulatedOperator {
     }
 
     /// Brings its stations to a rest, and returns the answer for the places found, or changes them so that one fits.
-    fn put_right(&mut self, sim: &mut CellSim, alarm: AlarmId, firing: FiringId) -> Option<String> {
+    fn put_right(
+        &mut self,
+        sim: &mut CellSim,
+        dispatcher: &mut dyn Dispatcher,
+        alarm: AlarmId,
+        firing: FiringId,
+    ) -> Option<String> {
         let orders = sim.state().firing(firing)?.orders.clone();
+        let mut is_led = false;
         for order in &orders {
             let now = sim.now;
             let station = sim.stations.get_mut(order.station.index())?;
-            station.is_stuck = false;
+            (station.is_stuck, station.waits_to_begin) = (false, false);
             if station.doing() == Some(order.key) || station.is_held {
                 station.bring_to_rest(now);
+                is_led = true;
             }
+        }
+        if is_led {
+            // Messages may be lost.
+            let heard = sim.now + sim.options.period * 10;
+            sim.run_on(dispatcher, heard);
         }
         // No answer is taken before the coordinator has heard it as well.
         if sim.coordination.unheard(sim.now, firing).is_some() {

@@ -1,8 +1,7 @@
 //! The token player with pretended stations, in virtual time.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 
 use linewright_coordinator_cell::production::ProductionOrderRequest;
 use linewright_coordinator_cell::{
@@ -11,6 +10,7 @@ use linewright_coordinator_cell::{
     ProductionId, Record, RequestId, ResourceId, TaskReply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
+use linewright_orders::LeaveWay;
 
 use super::floor::ShopFloor;
 use super::station::SimulatedStation;
@@ -76,8 +76,8 @@ enum MessageInTransit {
     Order(OrderMessage, Duration),
     Reply(usize, OrderKey, TaskReply),
     /// To a station, to leave an order, or to stop; and its reply.
-    Secure(usize, OrderKey, bool),
-    Secured(usize, OrderKey, TaskReply),
+    Secure(usize, OrderKey, LeaveWay),
+    Secured(usize, OrderKey, LeaveWay, TaskReply),
     /// With a number that rises.
     State(usize, u64, TaskReport),
 }
@@ -85,7 +85,7 @@ enum MessageInTransit {
 /// The coordinator's part of that.
 enum PlayerInbound {
     Reply(StationId, OrderKey, TaskReply),
-    Secured(StationId, OrderKey, TaskReply),
+    Secured(StationId, OrderKey, LeaveWay, TaskReply),
     State(StationId, TaskReport),
 }
 
@@ -275,7 +275,7 @@ impl CellSim {
         let mut inputs = vec![PlayerInput::Starts(self.starts), PlayerInput::InManual(&self.in_manual)];
         inputs.extend(arrived.iter().map(|arrived| match arrived {
             PlayerInbound::Reply(station, key, reply) => PlayerInput::Reply(*station, *key, *reply),
-            PlayerInbound::Secured(station, key, reply) => PlayerInput::Secured(*station, *key, *reply),
+            PlayerInbound::Secured(station, key, way, reply) => PlayerInput::Secured(*station, *key, *way, *reply),
             PlayerInbound::State(station, heard) => PlayerInput::Station(*station, heard),
         }));
         let asked = std::mem::take(&mut self.asked);
@@ -377,18 +377,18 @@ impl CellSim {
                         self.fly(|| MessageInTransit::Reply(index, order.order.key, reply));
                     }
                 }
-                MessageInTransit::Secure(index, key, stop) => {
+                MessageInTransit::Secure(index, key, way) => {
                     let now = self.now;
                     let reply = match &mut self.floor {
-                        Some(floor) => floor.told_to_leave(now, StationId::at(index), key, stop),
-                        None => self.stations.get_mut(index).and_then(|station| station.told_to_leave(now, key, stop)),
+                        Some(floor) => floor.told_to_leave(now, StationId::at(index), key, way),
+                        None => self.stations.get_mut(index).and_then(|station| station.told_to_leave(now, key, way)),
                     };
                     if let Some(reply) = reply {
-                        self.fly(|| MessageInTransit::Secured(index, key, reply));
+                        self.fly(|| MessageInTransit::Secured(index, key, way, reply));
                     }
                 }
-                MessageInTransit::Secured(index, key, reply) => {
-                    arrived.push(PlayerInbound::Secured(StationId::at(index), key, reply));
+                MessageInTransit::Secured(index, key, way, reply) => {
+                    arrived.push(PlayerInbound::Secured(StationId::at(index), key, way, reply));
                 }
                 MessageInTransit::Reply(index, key, reply) => {
                     arrived.push(PlayerInbound::Reply(StationId::at(index), key, reply))
@@ -429,8 +429,8 @@ impl CellSim {
                     let takes = self.takes(&order);
                     self.fly(|| MessageInTransit::Order(order.clone(), takes));
                 }
-                CellMessage::Secure { station, key, stop } => {
-                    self.fly(|| MessageInTransit::Secure(station.index(), key, stop))
+                CellMessage::Secure { station, key, way } => {
+                    self.fly(|| MessageInTransit::Secure(station.index(), key, way))
                 }
             }
         }

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::{OrderMessage, PartId, Presence, StationUnavailable, TaskReport};
 use linewright_line::{RestId, Tick};
-use linewright_orders::{OrderKey, RESULTS_MAX, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
+use linewright_orders::{LeaveWay, OrderKey, RESULTS_MAX, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 
 use crate::rng::Rng;
 
@@ -38,6 +38,8 @@ pub struct SimulatedStation {
     doing: Option<(OrderKey, Tick)>,
     /// It is on its way back from its order, for this reason.
     is_securing: Option<TaskFailure>,
+    /// The order that it has been ordered to leave last.
+    secured: Option<OrderKey>,
     /// Time limit of its order.
     limit: Tick,
     /// Time since which it stands, and nothing goes on, if it does.
@@ -60,6 +62,8 @@ pub struct SimulatedStation {
     pub is_away: bool,
     /// Its work does not end. It can be left nevertheless.
     pub is_stuck: bool,
+    /// Its orders wait for an input before their first operation: nothing has moved when one is left.
+    pub waits_to_begin: bool,
     /// Code of an endless wait of an order.
     pub waits_code: Option<u16>,
     /// By so much the time of its orders is over sooner than it was given.
@@ -68,7 +72,7 @@ pub struct SimulatedStation {
     pub holds: bool,
     /// It stands between rests.
     pub is_held: bool,
-    /// The rest at which it says that it stands.
+    /// The rest at which it says that it stands; its first where it waits to begin.
     pub rest: Option<RestId>,
     /// Why it takes nothing on.
     pub unable: Option<StationUnavailable>,
@@ -81,8 +85,10 @@ pub struct SimulatedStation {
 impl SimulatedStation {
     /// Its report.
     pub fn heard(&self) -> TaskReport {
-        let SimulatedStation { is_held, rest, unable, presence, .. } = *self;
-        TaskReport { is_held, rest, unable, presence, ..self.heard.clone() }
+        let SimulatedStation { is_held, unable, presence, .. } = *self;
+        let rest = self.rest.or(self.waits_to_begin.then_some(RestId(0)));
+        // Whatever it does it may do with another station.
+        TaskReport { is_held, is_in_handshake: is_held, rest, unable, presence, ..self.heard.clone() }
     }
 
     /// The order it is doing, or going back from.
@@ -143,8 +149,12 @@ impl SimulatedStation {
     /// Time at which its work will be done.
     pub fn ends(&self) -> Option<Tick> {
         let (_, until) = self.doing.filter(|_| self.stands.is_none())?;
-        let goes_on = self.is_securing.is_some() || (!self.is_stuck && until <= self.limit);
+        let goes_on = self.is_securing.is_some() || (!self.does_not_end() && until <= self.limit);
         Some(if goes_on { until } else { self.limit })
+    }
+
+    fn does_not_end(&self) -> bool {
+        self.is_stuck || self.waits_to_begin
     }
 
     /// Erases its memory; it is doing nothing.
@@ -214,13 +224,11 @@ impl SimulatedStation {
         if let Some(failure) = self.is_securing.take() {
             return Some((key, self.end(now, key, TaskOutcome::Failed(failure))));
         }
-        if self.is_stuck || until > now {
-            // Its time is over.
-            (self.doing, self.is_securing) = (
-                Some((key, now + WAY_BACK)),
-                Some(self.waits_code.map_or(TaskFailure::TimedOut, TaskFailure::from_code)),
-            );
-            return None;
+        if self.does_not_end() || until > now {
+            // Its time is over: it stands where it is.
+            self.is_held = !self.waits_to_begin;
+            let failure = self.waits_code.map_or(TaskFailure::TimedOut, TaskFailure::from_code);
+            return Some((key, self.end(now, key, TaskOutcome::Failed(failure))));
         }
         let by_chance = self.failing > 0 && rng.below(self.failing) == 0;
         let code = self.fails_with.take().or(by_chance.then_some(CODE));
@@ -234,7 +242,11 @@ impl SimulatedStation {
         self.remember(key, outcome)
     }
 
+    /// An order that was gone back from ends with what it had failed with before.
     fn remember(&mut self, key: OrderKey, outcome: TaskOutcome) -> TaskReply {
+        if let Some(&(_, before)) = self.heard.results.iter().find(|(had, _)| *had == key) {
+            return TaskReply::Ended(before);
+        }
         self.heard.results.push((key, outcome));
         if self.heard.results.len() > RESULTS_MAX {
             self.heard.results.remove(0);
@@ -243,24 +255,16 @@ impl SimulatedStation {
     }
 
     /// Reply to the order to leave an order; none if it does not arrive.
-    pub(super) fn told_to_leave(&mut self, now: Tick, key: OrderKey, stop: bool) -> Option<TaskReply> {
+    pub(super) fn told_to_leave(&mut self, now: Tick, key: OrderKey, way: LeaveWay) -> Option<TaskReply> {
         if self.is_away {
             return None;
         }
         if self.doing() == Some(key) {
-            if self.holds || stop {
-                (self.doing, self.is_held) = (None, true);
-                return Some(self.end(
-                    now,
-                    key,
-                    TaskOutcome::Failed(if stop { TaskFailure::Stopped } else { TaskFailure::Held }),
-                ));
-            }
-            if self.is_securing.is_none() {
-                let failure =
-                    self.waits_code.filter(|_| self.is_stuck).map_or(TaskFailure::Cancelled, TaskFailure::from_code);
-                (self.doing, self.is_securing) = (Some((key, self.counts_from(now) + WAY_BACK)), Some(failure));
-            }
+            self.leave(now, key, way);
+        } else if self.heard.results.last().is_some_and(|(last, end)| *last == key && *end != TaskOutcome::Done) {
+            self.return_from(now, key, way);
+        }
+        if self.doing() == Some(key) {
             return Some(TaskReply::Running);
         }
         if let Some(&(_, outcome)) = self.heard.results.iter().find(|(had, _)| *had == key) {
@@ -275,5 +279,40 @@ impl SimulatedStation {
         // Not received yet, and not to be done when it is.
         (self.heard.epoch, self.last) = (key.epoch, key.id);
         Some(self.remember(key, TaskOutcome::Failed(TaskFailure::Cancelled)))
+    }
+
+    fn leave(&mut self, now: Tick, key: OrderKey, way: LeaveWay) {
+        if way != LeaveWay::Hold {
+            self.secured = Some(key);
+        }
+        let waited = self.waits_code.filter(|_| self.does_not_end()).map(TaskFailure::from_code);
+        if self.waits_to_begin {
+            self.doing = None;
+            self.end(now, key, TaskOutcome::Failed(waited.unwrap_or(TaskFailure::Cancelled)));
+        } else if self.holds || way != LeaveWay::Back {
+            (self.doing, self.is_held) = (None, true);
+            let failure = match way {
+                LeaveWay::Back => TaskFailure::Held,
+                LeaveWay::Hold => waited.unwrap_or(TaskFailure::Cancelled),
+                LeaveWay::Stop => TaskFailure::Stopped,
+            };
+            self.end(now, key, TaskOutcome::Failed(failure));
+        } else if self.is_securing.is_none() {
+            let failure = waited.unwrap_or(TaskFailure::Cancelled);
+            (self.doing, self.is_securing) = (Some((key, self.counts_from(now) + WAY_BACK)), Some(failure));
+        }
+    }
+
+    /// It goes back once from an order that has failed.
+    fn return_from(&mut self, now: Tick, key: OrderKey, way: LeaveWay) {
+        if way == LeaveWay::Hold {
+            return;
+        }
+        if self.secured.replace(key) != Some(key) && self.is_held && !self.holds && way == LeaveWay::Back {
+            self.meter(now);
+            (self.heard.slot, self.is_held) = (Some(key), false);
+            let failure = TaskFailure::Cancelled;
+            (self.doing, self.is_securing) = (Some((key, self.counts_from(now) + WAY_BACK)), Some(failure));
+        }
     }
 }

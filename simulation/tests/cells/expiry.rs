@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use linewright_coordinator_cell::exception::ExceptionStep;
-use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OrderFailure, PlayerInput, RecordKind};
+use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OrderFailure, PlayerInput, RecordKind, TaskOutcome};
 use linewright_line::{Owner, StationId, Tick};
 use linewright_plant::MotionFault;
 use linewright_simulation::Rng;
@@ -38,7 +38,7 @@ fn run(of: &Shipped, options: CellSimOptions, fast: Duration) -> bool {
         sim.run_on(&mut dispatcher, now);
         let report = sim.floor.as_ref().expect("real").controller(robot).report().order.expect("it is task-driven");
         let raised = sim.state().firings().any(|firing| firing.phase != ActivityPhase::Running);
-        let gives_up = report.slot.is_some_and(|slot| slot.is_securing);
+        let gives_up = report.results.last().is_some_and(|(_, end)| *end != TaskOutcome::Done);
         if station_first.is_none() && (raised || gives_up) {
             station_first = Some(gives_up && !raised);
         }

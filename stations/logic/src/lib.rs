@@ -91,8 +91,8 @@ pub use controller::{Controller, NO_DELAY, StationInput, StationOutbox};
 pub use event::{HappeningKind, PlacesApart, StationHappening, StopCause};
 pub use ignored::{Handled, Ignored};
 pub use order::{
-    OrderKey, OrderMemory, RESULTS_MAX, SlotReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport, TaskOutcome,
-    TaskRefusal, TaskReply,
+    LeaveWay, OrderKey, OrderMemory, RESULTS_MAX, SlotReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport,
+    TaskOutcome, TaskRefusal, TaskReply,
 };
 pub use panel::{ModeOrder, PanelCommand, RivalCoordinators};
 pub use position_guard::{OwnSide, PositionGuard, PositionsKnown};

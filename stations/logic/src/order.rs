@@ -5,7 +5,8 @@
 use linewright_line::{RestId, TaskId};
 
 pub use linewright_orders::{
-    EPOCH_AHEAD_MAX, OrderKey, RESULTS_MAX, TaskCommand, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply,
+    EPOCH_AHEAD_MAX, LeaveWay, OrderKey, RESULTS_MAX, TaskCommand, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal,
+    TaskReply,
 };
 
 /// Report of a station on its orders: everything, each time.
@@ -23,6 +24,8 @@ pub struct TaskOrderReport {
     pub refused: Vec<(OrderKey, TaskRefusal)>,
     /// The rest it stands at; none while it moves and between rests.
     pub rest: Option<RestId>,
+    /// Between rests: an operation of the task that waits for inputs or other stations has started, and is not taken back.
+    pub is_in_handshake: bool,
 }
 
 /// The order a station is doing.

@@ -6,14 +6,17 @@
 //!                       │   │ a fault, another mode, a restart, ordered to stop
 //!                       │   └──────────────────────────────────────────────▶ failed: stands where it is
 //!                       │ its time is over ┐
-//!                       │ ordered to secure├─▶ securing ──it stands: where the task began, or as far as it goes──▶ failed
-//!                       └──────────────────┘                                                   by itself
+//!                       │ ordered to hold ─┴──▶ ending ──the motion under way has ended──▶ failed: stands where it is
+//!                       │                         │
+//!                       └──ordered to secure──────┴──▶ securing ──it stands: where the task began, or as far as it
+//!                                                                 goes by itself──▶ failed
 //! ```
 //!
-//! An order that is given up has not ended before the station stands: until then it is in the slot, and in no result. Both
-//! ways to give it up mean the same: it fails with the code of the inputs that it waited for, if it did; else because its
-//! time was over, or because it was ordered to leave it. One that a fault has ended may be ordered to secure once; it is
-//! in the slot again until it stands, and copies of that message start nothing later. An order to stop is in `stop`.
+//! An order that is given up has not ended before the station stands: until then it is in the slot, and in no result. It fails
+//! with the code of the inputs that it waited for, if it did; else because its time was over, or because it was ordered to leave it.
+//! When its time is over the station goes no way by itself: another station of the same activity may rely on where it stands, which
+//! the coordinator alone can see. One that its time or a fault has ended may be ordered to secure once; it is in the slot again
+//! until it stands, and copies of that message start nothing later. An order to stop is in `stop`.
 //!
 //! A final refusal it keeps: a copy of the message that comes late, when the reason has gone, is refused all the same. A
 //! refusal for now is not kept. All that it keeps is in its snapshot, which is written before anything is driven or sent. A
@@ -23,20 +26,21 @@
 //! The message to leave an order names neither memory nor sender. So it ends nothing but the order that it names, and is no
 //! sign of a later life of the coordinator.
 
+mod leave;
 mod report;
 mod stop;
 
 use std::cmp::Ordering;
 
-use linewright_line::net::{ControlMode, StationPlace, TransitionKind};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, RestId, TaskId, Tick};
 
 use crate::controller::Controller;
 use crate::event::HappeningKind;
 use crate::ignored::Ignored;
 use crate::order::{
-    EPOCH_AHEAD_MAX, OrderKey, OrderMemory, RESULTS_MAX, TaskCommand, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal,
-    TaskReply,
+    EPOCH_AHEAD_MAX, LeaveWay, OrderKey, OrderMemory, RESULTS_MAX, TaskCommand, TaskFailure, TaskOrder, TaskOutcome,
+    TaskRefusal, TaskReply,
 };
 use crate::program::{bit, task_bit};
 use crate::rules::OrderRules;
@@ -71,6 +75,10 @@ struct ActiveOrder {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SlotPhase {
     Running,
+    /// It goes no further: the order ends with the motion under way.
+    Ending {
+        failure: TaskFailure,
+    },
     /// On its way back; the order ends where that ends.
     Securing {
         /// Reason why it was given up; none if it was ordered to leave it and waited for nothing.
@@ -78,6 +86,16 @@ enum SlotPhase {
     },
     /// On its way back from an order that had ended before.
     Returning,
+}
+
+impl SlotPhase {
+    /// The coordinator has ordered it to leave the order.
+    const fn goes_back(self) -> bool {
+        match self {
+            SlotPhase::Running | SlotPhase::Ending { .. } => false,
+            SlotPhase::Securing { .. } | SlotPhase::Returning => true,
+        }
+    }
 }
 
 /// The newest epoch that may follow this one; any may be the first.
@@ -131,6 +149,7 @@ impl OrderSlot {
                     SlotPhase::Running => 0,
                     SlotPhase::Securing { failure: _ } => 1,
                     SlotPhase::Returning => 2,
+                    SlotPhase::Ending { failure: _ } => 3,
                 };
                 out.extend([i64::from(slot.task.0), i64::from(slot.begun), phase]);
                 out.extend([(slot.image >> 64) as i64, slot.image as i64]);
@@ -141,7 +160,7 @@ impl OrderSlot {
     /// Record to keep.
     pub fn memory(&self) -> OrderMemory {
         let open = self.slot.filter(|slot| slot.phase != SlotPhase::Returning);
-        let left = open.filter(|slot| slot.phase != SlotPhase::Running).map(|slot| slot.key);
+        let left = open.filter(|slot| slot.phase.goes_back()).map(|slot| slot.key);
         OrderMemory {
             memory: self.memory,
             epoch: self.epoch,
@@ -178,13 +197,14 @@ impl Controller {
         let epoch = orders.epoch;
         let (key, known) = match command {
             TaskCommand::Run(order) => (order.key, orders.known(order.key).filter(|_| orders.rules.does_once)),
-            TaskCommand::Secure(key) | TaskCommand::Stop(key) => (key, None),
+            TaskCommand::Leave(key, _) => (key, None),
         };
         let reply = match (known, command) {
             (Some(reply), _) => reply,
             (None, TaskCommand::Run(order)) => self.run(order),
-            (None, TaskCommand::Secure(key)) => self.secure(key),
-            (None, TaskCommand::Stop(key)) => self.stop_order(key),
+            (None, TaskCommand::Leave(key, LeaveWay::Back)) => self.secure(key),
+            (None, TaskCommand::Leave(key, LeaveWay::Hold)) => self.hold_order(key),
+            (None, TaskCommand::Leave(key, LeaveWay::Stop)) => self.stop_order(key),
         };
         if let Some(orders) = &mut self.orders {
             orders.replies.push((key, reply));
@@ -271,46 +291,6 @@ impl Controller {
         })
     }
 
-    fn secure(&mut self, key: OrderKey) -> TaskReply {
-        // Where people move the station, nothing is ordered to move by itself later.
-        let by_itself = match self.commands.granted(self.now) {
-            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
-            ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
-        };
-        let place = self.marking().next().filter(|_| by_itself && self.rest().is_none());
-        let leads_back = place.filter(|&place| place.is_operating() || self.goes_back_from(place));
-        let task = leads_back.and_then(|place| self.task_of(place.op));
-        let failure = self.waited_for().map(TaskFailure::Waiting);
-        let Some(orders) = &mut self.orders else { return TaskReply::Refused(TaskRefusal::Unknown) };
-        if let Some(slot) = orders.slot.as_mut().filter(|slot| slot.key == key) {
-            if slot.phase == SlotPhase::Running {
-                self.give_up(failure);
-            }
-        } else if orders.last_has_failed() == Some(key) && orders.slot.is_none() {
-            // Copies of the message come late, when it is known that the station stands.
-            let is_first = orders.secured.replace(key) != Some(key) || !orders.rules.secures_once;
-            // It may stand where a person has left it since.
-            if let Some(task) = task.filter(|_| is_first) {
-                let phase = SlotPhase::Returning;
-                orders.slot = Some(ActiveOrder { key, task, image: 0, limit: Tick::NEVER, begun: true, phase });
-                self.due.report = true;
-                self.note(HappeningKind::Securing(task));
-            }
-        } else if orders.known(key).is_none() {
-            if let Some(refusal) = orders.too_old(key) {
-                return TaskReply::Refused(refusal);
-            }
-            // Not received yet, and not to be done when it is.
-            if orders.epoch == key.epoch {
-                orders.last = key.id;
-            }
-            orders.remember(key, TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Cancelled)));
-            orders.secured = Some(key);
-            self.due.report = true;
-        }
-        self.orders.as_ref().and_then(|orders| orders.known(key)).unwrap_or(TaskReply::Running)
-    }
-
     fn task_of(&self, op: OpId) -> Option<TaskId> {
         self.program.tasks.as_ref().map(|tasks| tasks.task_of[op.index()])
     }
@@ -334,7 +314,11 @@ impl Controller {
             Some(ActiveOrder { phase: SlotPhase::Securing { .. } | SlotPhase::Returning, .. }) if self.image.valid => {
                 bit::SECURE
             }
-            Some(ActiveOrder { phase: SlotPhase::Securing { .. } | SlotPhase::Returning, .. }) | None => 0,
+            Some(ActiveOrder {
+                phase: SlotPhase::Ending { .. } | SlotPhase::Securing { .. } | SlotPhase::Returning,
+                ..
+            })
+            | None => 0,
         }
     }
 
@@ -379,7 +363,7 @@ impl Controller {
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => {}
             ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => {
                 let failure = match self.slot().map(|slot| slot.phase) {
-                    Some(SlotPhase::Securing { failure: Some(failure) }) => failure,
+                    Some(SlotPhase::Ending { failure } | SlotPhase::Securing { failure: Some(failure) }) => failure,
                     Some(SlotPhase::Running | SlotPhase::Securing { failure: None } | SlotPhase::Returning) => {
                         TaskFailure::Interrupted
                     }
@@ -395,24 +379,16 @@ impl Controller {
         if self.now < self.order_limit() {
             return;
         }
-        self.give_up(Some(self.waited_for().map_or(TaskFailure::TimedOut, TaskFailure::Waiting)));
-    }
-
-    /// The order is not done any more: the station goes back if it has begun.
-    fn give_up(&mut self, failure: Option<TaskFailure>) {
+        let failure = self.waited_for().map_or(TaskFailure::TimedOut, TaskFailure::Waiting);
         let Some(orders) = &mut self.orders else { return };
         let Some(slot) = &mut orders.slot else { return };
-        if !slot.begun {
-            return self.conclude(TaskOutcome::Failed(failure.unwrap_or(TaskFailure::Cancelled)));
-        }
-        slot.phase = SlotPhase::Securing { failure };
-        let (key, task) = (slot.key, slot.task);
-        if let Some(failure) = failure.filter(|_| !orders.rules.ends_standing) {
+        slot.phase = SlotPhase::Ending { failure };
+        if !orders.rules.ends_standing {
             slot.phase = SlotPhase::Returning;
+            let key = slot.key;
             orders.remember(key, TaskReply::Ended(TaskOutcome::Failed(failure)));
         }
         self.due.report = true;
-        self.note(HappeningKind::Securing(task));
     }
 
     /// The step that the order would go on with, where the station stands between two.
@@ -432,50 +408,11 @@ impl Controller {
         (code != 0).then_some(code)
     }
 
-    /// Looks whether a station that goes back has come as far as it can.
-    pub(crate) fn follow_securing(&mut self) {
-        let given_up = match self.slot().map(|slot| slot.phase) {
-            Some(SlotPhase::Securing { failure }) => failure,
-            Some(SlotPhase::Returning) => None,
-            Some(SlotPhase::Running) => return,
-            None => return self.rests(),
-        };
-        let Some(place) = self.marking().next() else { return };
-        if place.is_operating() || (self.rest().is_none() && self.goes_back_from(place)) {
-            return;
-        }
-        // At the first operation's beginning the token goes on to the rest; that is no motion.
-        let left = if self.rest().is_some() { TaskFailure::Cancelled } else { TaskFailure::Held };
-        self.conclude(TaskOutcome::Failed(given_up.unwrap_or(left)));
-    }
-
-    /// At a rest there is nothing to go back from, wherever a person leads it to before it is ordered to.
-    fn rests(&mut self) {
-        let failed = self.orders.as_ref().and_then(|orders| orders.last_has_failed().filter(|_| self.rest().is_some()));
-        if let (Some(key), Some(orders)) = (failed, &mut self.orders) {
-            self.due.report |= orders.secured != Some(key);
-            orders.secured = Some(key);
-        }
-    }
-
-    /// Whether something leads back from a place in auto. On a recovery path nothing does by itself.
-    fn goes_back_from(&self, place: StationPlace) -> bool {
-        if self.marking.path.is_some() {
-            return false;
-        }
-        let (start, end) =
-            self.program.places[usize::from(self.program.index_of(place))].rows[ControlMode::Auto as usize];
-        self.program.rows[usize::from(start)..usize::from(end)].iter().any(|row| {
-            let kind = self.program.actions[usize::from(row.transition)].kind;
-            row.need & bit::SECURE != 0 || matches!(kind, TransitionKind::GiveUp(_))
-        })
-    }
-
     /// The order is over, by this unless it was before.
     fn conclude(&mut self, outcome: TaskOutcome) {
         let Some(orders) = &mut self.orders else { return };
         let Some(slot) = orders.slot.take() else { return };
-        if slot.phase != SlotPhase::Running {
+        if slot.phase.goes_back() {
             orders.secured = Some(slot.key);
         }
         if slot.phase != SlotPhase::Returning {

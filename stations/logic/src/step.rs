@@ -96,7 +96,7 @@ impl Controller {
             self.due.report = true;
             self.agreement.refusal = None;
         }
-        self.follow_securing();
+        self.follow_given_up();
         self.follow_position();
         if fired || self.due.outputs {
             self.drive();

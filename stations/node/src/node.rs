@@ -299,8 +299,8 @@ impl StationLoop {
                     self.handle(StationArrival::Task(told.command()));
                 }
             }
-            StationInbound::Secure(key, stop) => {
-                if let Some(told) = self.says.orders.as_mut().map(|orders| orders.secure(key, stop)) {
+            StationInbound::Secure(key, way) => {
+                if let Some(told) = self.says.orders.as_mut().map(|orders| orders.secure(key, way)) {
                     self.handle(StationArrival::Task(told.command()));
                 }
             }

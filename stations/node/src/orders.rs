@@ -16,8 +16,8 @@ use linewright_node_shell::{
     stamp,
 };
 use linewright_station_logic::{
-    Controller, OrderKey, SlotReport, StationReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport, TaskOutcome,
-    TaskRefusal, TaskReply,
+    Controller, LeaveWay, OrderKey, SlotReport, StationReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport,
+    TaskOutcome, TaskRefusal, TaskReply,
 };
 use tokio::sync::mpsc;
 
@@ -28,10 +28,8 @@ use crate::topics::StationInbound;
 pub enum OrderInbound {
     /// A task.
     Run(TaskOrder),
-    /// To leave an order be.
-    Secure(OrderKey),
-    /// To stop the motions of an order at once.
-    Stop(OrderKey),
+    /// To leave an order.
+    Leave(OrderKey, LeaveWay),
 }
 
 impl OrderInbound {
@@ -39,8 +37,7 @@ impl OrderInbound {
     pub fn command(&self) -> TaskCommand<'_> {
         match self {
             OrderInbound::Run(order) => TaskCommand::Run(order),
-            OrderInbound::Secure(key) => TaskCommand::Secure(*key),
-            OrderInbound::Stop(key) => TaskCommand::Stop(*key),
+            OrderInbound::Leave(key, way) => TaskCommand::Leave(*key, *way),
         }
     }
 }
@@ -75,7 +72,8 @@ impl TaskOrderTopics {
         let (owner, serving) = serve_action(node.action::<RunTask>("~/run_task")?, to.clone(), StationInbound::Goal);
         tasks.push(serving);
         tasks.push(forward(node.subscription("~/secure", qos::command())?, to.clone(), |message: SecureOrder, _| {
-            Some(StationInbound::Secure(OrderKey { epoch: message.epoch, id: message.id }, message.stop))
+            let key = OrderKey { epoch: message.epoch, id: message.id };
+            Some(StationInbound::Secure(key, LeaveWay::from_number(message.way)))
         }));
         let message = OrderState { boot_id, station: station.to_owned(), ..OrderState::default() };
         Ok(TaskOrderTopics { owner, state, goals: Vec::new(), told: None, report: StationReport::default(), message })
@@ -93,16 +91,18 @@ impl TaskOrderTopics {
                 let live = self.goals.iter_mut().find(|live| live.goal == goal)?;
                 live.is_cancelled = true;
                 let key = live.key;
-                Some(self.secure(key, false))
+                // The coordinator orders it back, if no other station relies on where it stands.
+                Some(self.secure(key, LeaveWay::Hold))
             }
         }
     }
 
-    /// The controller's input from an order to leave an order, or to stop.
-    pub fn secure(&mut self, key: OrderKey, stop: bool) -> OrderInbound {
+    /// The controller's input from an order to leave an order.
+    pub fn secure(&mut self, key: OrderKey, way: LeaveWay) -> OrderInbound {
         // In effect from the next state on, which is made after the controller has taken it in.
         (self.message.secured_epoch, self.message.secured_id) = (key.epoch, key.id);
-        if stop { OrderInbound::Stop(key) } else { OrderInbound::Secure(key) }
+        self.message.secured_way = way.number();
+        OrderInbound::Leave(key, way)
     }
 
     /// Publishes the progress of orders, once it is recorded. The whole state goes out when it is `due`.
@@ -151,6 +151,7 @@ impl TaskOrderTopics {
         (message.memory, message.epoch) = (orders.memory, orders.epoch);
         (message.doing_epoch, message.doing_id) = orders.slot.map_or((0, 0), |slot| (slot.key.epoch, slot.key.id));
         message.phase = orders.slot.map_or(0, phase);
+        message.in_handshake = orders.is_in_handshake;
         message.rest = orders.rest.map(|rest| station.rests[rest.index()].name.clone()).unwrap_or_default();
         let ended = orders.results.iter().map(|&(key, outcome)| {
             let (end, code) = end_of(outcome);

@@ -5,7 +5,7 @@ use linewright_msgs::{Flag, ModeOrder, ProcessImage, RunTaskGoal, StationEvent, 
 use linewright_node_shell::{
     Forward, GoalRequest, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, qos, watch_middleware,
 };
-use linewright_station_logic::OrderKey;
+use linewright_station_logic::{LeaveWay, OrderKey};
 use tokio::sync::mpsc;
 
 use crate::orders::TaskOrderTopics;
@@ -33,7 +33,7 @@ pub enum StationInbound {
     /// A task is ordered, or cancelled.
     Goal(GoalRequest<RunTaskGoal>),
     /// An order is to be left; with true, the station is to stop at once.
-    Secure(OrderKey, bool),
+    Secure(OrderKey, LeaveWay),
 }
 
 /// The publishers of a station.

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use linewright_line::{Line, OpId, StationId, Tick, parse};
 use linewright_station_logic::{
-    Controller, OrderKey, Restore, StationInput, StationSnapshot, TaskCommand, TaskFailure, TaskOrder, TaskOutcome,
-    TaskRefusal, TaskReply,
+    Controller, LeaveWay, OrderKey, Restore, StationInput, StationSnapshot, TaskCommand, TaskFailure, TaskOrder,
+    TaskOutcome, TaskRefusal, TaskReply,
 };
 use linewright_station_node::{from_record, to_record};
 
@@ -30,7 +30,7 @@ fn snapshot(line: &Line) -> StationSnapshot {
         parameters: Vec::new(),
         limit: Duration::from_secs(1),
     };
-    for command in [TaskCommand::Run(&order), TaskCommand::Secure(order.key)] {
+    for command in [TaskCommand::Run(&order), TaskCommand::Leave(order.key, LeaveWay::Back)] {
         controller.handle(Tick::ZERO, StationInput::Task(command));
     }
     // Its devices have confirmed where it stands.

@@ -241,8 +241,6 @@ impl PlayerState {
             Whereabouts::Carrier => return Err(format!("the part of {id} is with its carrier")),
         };
         let gone = gone.ok_or_else(|| format!("`{}`: no marking defined for a removed part", table.mode_name(mode)))?;
-        let unstopped: Vec<_> = self.unstopped(id).collect();
-        self.exceptions.unstopped.extend(unstopped);
         self.forget(id);
         self.exceptions.open.remove(&id);
         let times = self.exceptions.times(mode, self.retry_key(mode, part).1);

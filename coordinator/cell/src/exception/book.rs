@@ -20,8 +20,6 @@ pub struct Exceptions {
     pub(super) retries: BTreeMap<(ModeId, Option<PartId>), Retry>,
     /// The stations in emergency stop, and because of which activity each went into it first.
     pub(super) stopped: BTreeMap<StationId, FiringId>,
-    /// Orders whose stations were ordered to stop and may not have, of activities that are over: the latest of each.
-    pub(super) unstopped: BTreeMap<StationId, OrderKey>,
     pub(super) last_alarm: u64,
     pub(super) scrapped: u64,
 }

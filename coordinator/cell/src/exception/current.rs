@@ -26,7 +26,11 @@ impl Coordination {
             AlarmSubject::Firing(firing) => {
                 self.failed(firing).map(|(firing, _)| self.stations_to_lead(now, firing)).unwrap_or_default()
             }
-            AlarmSubject::Resource(_) => StationsToLead::default(),
+            AlarmSubject::Resource(resource) => {
+                let station = self.state().table().handling().resource(resource).and_then(|of| of.station);
+                let stopped = station.filter(|&station| self.state().exceptions().is_stopped(station));
+                StationsToLead { reset: stopped.into_iter().collect(), ..StationsToLead::default() }
+            }
         }
     }
 

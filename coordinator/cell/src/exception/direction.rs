@@ -71,9 +71,9 @@ impl Coordination {
         let stands = |order: &OngoingOrder| self.standing_if_reset(now, firing.id, order);
         let orders = firing.orders.iter().enumerate();
         let known = orders.filter_map(|(at, order)| match stands(order) {
-            StationStanding::Done => Some(LeadReason::Completed(order.station)),
-            StationStanding::AtRest => self.reached(now, firing, at, order),
-            StationStanding::NotBegun => Some(LeadReason::AtBeginning(order.station)),
+            standing @ (StationStanding::Done | StationStanding::AtRest | StationStanding::NotBegun) => {
+                self.reached(now, firing, at, standing)
+            }
             StationStanding::Held
             | StationStanding::EmergencyStop
             | StationStanding::Unknown
@@ -84,19 +84,27 @@ impl Coordination {
         of(LeadDirection::On).or_else(|| self.by_answers(firing)).or_else(|| of(LeadDirection::Back))
     }
 
-    /// The end of its task at which a station rests. Where the task ends at the rest where it began, the rest alone does not show
-    /// it: one that went there by itself went back, of one that was led there it is not known.
-    fn reached(&self, now: Tick, firing: &OngoingActivity, at: usize, order: &OngoingOrder) -> Option<LeadReason> {
+    /// The end of its task at which a station rests: a person may have led it away from where its order left it. Where the task ends
+    /// at the rest where it began, the rest alone does not show it, and the record counts: one that went there by itself went back,
+    /// of one that was led there it is not known.
+    fn reached(&self, now: Tick, firing: &OngoingActivity, at: usize, standing: StationStanding) -> Option<LeadReason> {
+        let order = firing.orders.get(at)?;
         let rest = self.fresh(now, order.station).and_then(|heard| heard.rest);
         let way = self.way_of(firing, at, order.station).filter(|task| task.from != task.to);
-        match (rest, way) {
-            (Some(rest), Some(task)) if rest == task.to => Some(LeadReason::LedToEnd(order.station)),
-            (Some(rest), Some(task)) if rest == task.from => Some(LeadReason::AtBeginning(order.station)),
-            _ => {
-                let went_itself = self.state().exceptions().stands(firing.id, order.key) == Some(SecuredState::AtRest);
-                went_itself.then_some(LeadReason::AtBeginning(order.station))
-            }
+        let is_done = standing == StationStanding::Done;
+        if let (Some(rest), Some(task)) = (rest, way) {
+            return match (rest == task.from, rest == task.to) {
+                (true, _) => Some(LeadReason::AtBeginning(order.station)),
+                (_, true) if is_done => Some(LeadReason::Completed(order.station)),
+                (_, true) => Some(LeadReason::LedToEnd(order.station)),
+                (false, false) => None,
+            };
         }
+        if is_done {
+            return Some(LeadReason::Completed(order.station));
+        }
+        let went_itself = self.state().exceptions().stands(firing.id, order.key) == Some(SecuredState::AtRest);
+        (went_itself || standing == StationStanding::NotBegun).then_some(LeadReason::AtBeginning(order.station))
     }
 
     /// The task of an order, as a way from rest to rest.

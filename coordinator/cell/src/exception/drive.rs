@@ -162,7 +162,7 @@ impl Coordination {
             ExceptionStage::Restoring { ruling: _, since } => Some(*since + secure.max(repeat_interval)),
             ExceptionStage::Waiting(_) => None,
         });
-        let again = self.to_secure().into_iter().map(|leave| match self.told(leave) {
+        let again = self.to_secure(self.watch.now).into_iter().map(|leave| match self.told(leave) {
             Some(told) => told.at + repeat_interval,
             None => self.state.now(),
         });

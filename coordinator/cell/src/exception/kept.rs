@@ -19,7 +19,8 @@ pub struct SavedExceptions {
     retries: Vec<(ModeId, Option<PartId>, Retry)>,
     #[serde(default)]
     stopped: Vec<(u16, FiringId)>,
-    #[serde(default)]
+    /// Of snapshots of earlier versions; no order of an activity that is over is gone back from any more.
+    #[serde(default, skip_serializing)]
     unstopped: Vec<(u16, OrderKey)>,
     last_alarm: u64,
     scrapped: u64,
@@ -34,7 +35,7 @@ impl Exceptions {
             down: self.down.iter().map(|(&resource, down)| (resource, down.clone())).collect(),
             retries: self.retries.iter().map(|(&(mode, part), &retry)| (mode, part, retry)).collect(),
             stopped: self.stopped.iter().map(|(&StationId(station), &firing)| (station, firing)).collect(),
-            unstopped: self.unstopped.iter().map(|(&StationId(station), &key)| (station, key)).collect(),
+            unstopped: Vec::new(),
             last_alarm: self.last_alarm,
             scrapped: self.scrapped,
         }
@@ -57,9 +58,8 @@ impl PlayerState {
         new.down = of.down.into_iter().collect();
         new.retries = of.retries.into_iter().map(|(mode, part, retry)| ((mode, part), retry)).collect();
         new.stopped = of.stopped.into_iter().map(|(station, firing)| (StationId(station), firing)).collect();
-        new.unstopped = of.unstopped.into_iter().map(|(station, key)| (StationId(station), key)).collect();
         let handling = self.table().handling();
-        if let Some(station) = new.stopped.keys().chain(new.unstopped.keys()).find(|id| !handling.knows_station(**id)) {
+        if let Some(station) = new.stopped.keys().find(|id| !handling.knows_station(**id)) {
             return Err(format!("station {} in it is none of this cell", station.0));
         }
         let has = (new.open.len(), new.alarms.len(), new.down.len(), new.retries.len());

@@ -1,16 +1,30 @@
 //! Bringing the stations of a failed activity to rest: their orders, and the evidence that they stand.
 //!
-//! Usually a station goes back to where its order began, as far as that goes by itself. Where a person has given alarm of a
-//! resource nothing goes back: something is wrong there, and the way back may be as wrong as the way on. All stations of its
-//! activities are ordered to stop, also those that are on their way back from another failure. That follows from the
-//! resource's being left out for an alarm, which is a record; so a later life does the same.
+//! First all are ordered to hold: the motion under way ends, the order too. Which of them go back to where their orders began is
+//! decided when all stand, by the rule that nothing may rely on where a station stands that goes back. A station whose operations so
+//! far have waited for nothing outside has done what it does without regard to the others; so one that stands there, or where its
+//! order began, holds nobody up. Another one is in a handshake. So
+//!
+//! - a station goes back while no other one of the activity is in a handshake, and none has completed its order;
+//! - one in a handshake goes back first, and the others when it stands where its order began;
+//! - of two in a handshake none goes back: a robot that has come to a clamp does not leave it when the clamp may have closed. A person
+//!   leads both.
+//!
+//! The only station of an activity goes back at once.
+//!
+//! Where a person has given alarm of a resource nothing goes back: something is wrong there, and the way back may be as wrong as
+//! the way on. All stations of its activities are ordered to stop, also those that are on their way back from another failure. That
+//! follows from the resource's being left out for an alarm, which is a record; so a later life does the same. Nor does anything
+//! go back for an order whose activity is over or not on record.
 
 use linewright_line::{StationId, Tick};
+use linewright_orders::LeaveWay;
 
-use super::super::firing::{OngoingActivity, OngoingOrder};
+use super::super::firing::{OngoingActivity, OngoingOrder, OrderProgress};
 use super::super::ids::{FiringId, OrderKey, ResourceId};
-use super::super::orders::{CellMessage, PlayerOutbox, TaskReport};
+use super::super::orders::{CellMessage, PlayerOutbox, TaskOutcome, TaskReport};
 use super::super::player::Coordination;
+use super::super::record::OrderFailure;
 use super::super::state::PlayerState;
 use super::book::ExceptionStage;
 use super::fact::{ExceptionStep, SecuredState};
@@ -21,8 +35,34 @@ use super::watch::SecureRequest;
 pub(super) struct SecureOrderRequest {
     pub station: StationId,
     pub key: OrderKey,
-    /// And to stop at once instead of going back.
-    pub stop: bool,
+    pub way: LeaveWay,
+}
+
+/// How a station leaves an order, as far as that is decided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct WayToRest {
+    way: LeaveWay,
+    /// No other way follows.
+    is_final: bool,
+}
+
+/// Where a station of a failed activity stands whose order is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum OrderLeft {
+    /// Where the order began.
+    AtBeginning,
+    /// Further, and not in a handshake.
+    Apart,
+    /// In a handshake, or its order is completed, or a person has led it to another rest.
+    Involved,
+}
+
+impl WayToRest {
+    const fn last(way: LeaveWay) -> Self {
+        WayToRest { way, is_final: true }
+    }
+
+    const HOLDS: WayToRest = WayToRest { way: LeaveWay::Hold, is_final: false };
 }
 
 impl PlayerState {
@@ -34,36 +74,19 @@ impl PlayerState {
         has_order || handling.mode(firing.mode).resources().any(|of| of == resource)
     }
 
-    /// Whether a station is to stop what it does for an order: alarm was given of a resource that its activity has to do with,
-    /// also if that is over by now, or of the station's own, or the station is in emergency stop.
+    /// Whether a station is to stop what it does for an order, whatever its activity's other stations do: alarm was given of a
+    /// resource that the activity has to do with, the station is in emergency stop, or there is no such activity.
     pub fn stops(&self, station: StationId, key: OrderKey) -> bool {
-        if self.exceptions().is_stopped(station) || self.exceptions().unstopped.get(&station) == Some(&key) {
-            return true;
-        }
-        let handling = self.table().handling();
-        let firing = self.order(key).map(|(firing, _)| firing);
-        let concerns = |resource: ResourceId| match firing {
-            Some(firing) => self.concerns(firing, resource),
-            None => handling.resource(resource).is_some_and(|of| of.station == Some(station)),
-        };
-        self.exceptions().down().any(|(resource, down)| down.why.is_alarm() && concerns(resource))
-    }
-
-    /// The orders of an activity that are to stop, where it is not known whether they have.
-    pub(super) fn unstopped(&self, id: FiringId) -> impl Iterator<Item = (StationId, OrderKey)> {
-        let orders = self.firing(id).into_iter().flat_map(|firing| &firing.orders);
-        let unknown =
-            move |order: &&OngoingOrder| self.exceptions().stands(id, order.key) == Some(SecuredState::Unknown);
-        orders
-            .filter(unknown)
-            .map(|order| (order.station, order.key))
-            .filter(|&(station, key)| self.stops(station, key))
+        let Some((firing, _)) = self.order(key) else { return true };
+        let mut down = self.exceptions().down();
+        self.exceptions().is_stopped(station)
+            || down.any(|(resource, down)| down.why.is_alarm() && self.concerns(firing, resource))
     }
 }
 
 impl Coordination {
     /// The stations that have to be ordered to leave an order, or to stop.
-    pub(super) fn to_secure(&self) -> Vec<SecureOrderRequest> {
+    pub(super) fn to_secure(&self, now: Tick) -> Vec<SecureOrderRequest> {
         if self.is_superseded() {
             return Vec::new();
         }
@@ -83,42 +106,106 @@ impl Coordination {
         }
         all.sort_unstable();
         all.dedup();
-        let stops = |station, key| self.rules.stops && self.state.stops(station, key);
-        all.into_iter().map(|(station, key)| SecureOrderRequest { station, key, stop: stops(station, key) }).collect()
+        let request = |(station, key)| {
+            let way = self.way_to_rest(now, station, key).way;
+            SecureOrderRequest { station, key, way }
+        };
+        all.into_iter().map(request).collect()
+    }
+
+    /// How a station leaves an order.
+    fn way_to_rest(&self, now: Tick, station: StationId, key: OrderKey) -> WayToRest {
+        if self.state.stops(station, key) {
+            return WayToRest::last(if self.rules.stops { LeaveWay::Stop } else { LeaveWay::Back });
+        }
+        let Some((firing, own)) = self.state.order(key) else { return WayToRest::last(LeaveWay::Stop) };
+        let others = firing.orders.iter().filter(|order| order.station != own.station);
+        if !self.rules.goes_back_alone || others.clone().next().is_none() {
+            return WayToRest::last(LeaveWay::Back);
+        }
+        if firing.orders.iter().any(|order| self.order_left(now, firing, order).is_none()) {
+            return WayToRest::HOLDS;
+        }
+        let returns = self.fresh(now, station).is_some_and(|heard| heard.slot == Some(key));
+        if returns || self.may_go_back(now, firing, own) {
+            return WayToRest::last(LeaveWay::Back);
+        }
+        // One that has come to rest is not ordered back any more.
+        let is_open = |order: &OngoingOrder| self.state.owed(firing).any(|owed| owed.key == order.key);
+        let mut blocking = others.filter(|order| self.order_left(now, firing, order) == Some(OrderLeft::Involved));
+        if blocking.all(|order| is_open(order) && self.may_go_back(now, firing, order)) {
+            return WayToRest::HOLDS;
+        }
+        WayToRest::last(LeaveWay::Hold)
+    }
+
+    /// Whether no other station of the activity is in a handshake, and none has completed its order.
+    fn may_go_back(&self, now: Tick, firing: &OngoingActivity, own: &OngoingOrder) -> bool {
+        let mut others = firing.orders.iter().filter(|order| order.station != own.station);
+        others.all(|order| match self.order_left(now, firing, order) {
+            Some(OrderLeft::AtBeginning | OrderLeft::Apart) => true,
+            Some(OrderLeft::Involved) | None => false,
+        })
+    }
+
+    /// Where a station stands whose order is over, by its last report; none if it is not over, or not known to be. One that has an
+    /// order that has failed is on its way back from it.
+    fn order_left(&self, now: Tick, firing: &OngoingActivity, order: &OngoingOrder) -> Option<OrderLeft> {
+        let heard = self.fresh(now, order.station)?;
+        let is_at_it = heard.slot == Some(order.key);
+        let failed = |(key, end): &(OrderKey, TaskOutcome)| *key == order.key && matches!(end, TaskOutcome::Failed(_));
+        let has_failed = heard.results.iter().any(failed);
+        // A station with another memory begins it no more, but what it reports of its place was not kept.
+        let (is_over, is_place_kept) = match order.state {
+            OrderProgress::Ended => return Some(OrderLeft::Involved),
+            OrderProgress::Failed(OrderFailure::Forgotten) => (!is_at_it, false),
+            OrderProgress::Failed(OrderFailure::Refused(_)) => (!is_at_it, true),
+            OrderProgress::Written | OrderProgress::Running | OrderProgress::Failed(_) => (has_failed, true),
+        };
+        if !is_over {
+            return None;
+        }
+        let handled = self.state.table().handling().mode(firing.mode);
+        let begins = handled.begins.iter().find(|(id, _)| *id == order.station).map(|(_, rest)| *rest);
+        Some(match heard.rest {
+            Some(rest) if begins.is_none_or(|begins| begins == rest) => OrderLeft::AtBeginning,
+            None if (heard.is_held || is_at_it) && is_place_kept && !heard.is_in_handshake => OrderLeft::Apart,
+            Some(_) | None => OrderLeft::Involved,
+        })
     }
 
     /// The last such order to a station, if there was one.
     pub(super) fn told(&self, leave: SecureOrderRequest) -> Option<SecureRequest> {
-        // An order to go back is none to stop.
-        self.watch.told.get(&leave.key).copied().filter(|told| told.stop || !leave.stop)
+        self.watch.told.get(&leave.key).copied().filter(|told| told.way == leave.way)
     }
 
     /// Sends these orders, again and again until they are obeyed.
     pub(in super::super) fn send_secure(&mut self, now: Tick, out: &mut PlayerOutbox) {
-        let all = self.to_secure();
+        let all = self.to_secure(now);
         if all.is_empty() && self.watch.told.is_empty() {
             return;
         }
         self.watch.told.retain(|key, _| all.iter().any(|of| of.key == *key));
         let repeat_interval = self.state.table().repeat_interval();
         for leave in all {
-            let SecureOrderRequest { station, key, stop } = leave;
-            if self.told(leave).is_none_or(|told| told.at + repeat_interval <= now) {
-                let answered = self.watch.told.get(&key).and_then(|told| told.answered);
-                self.watch.told.insert(key, SecureRequest { at: now, stop, answered });
-                out.sends.push(CellMessage::Secure { station, key, stop });
+            let SecureOrderRequest { station, key, way } = leave;
+            let told = self.told(leave);
+            if told.is_none_or(|told| told.at + repeat_interval <= now) {
+                let answered = told.and_then(|told| told.answered);
+                self.watch.told.insert(key, SecureRequest { at: now, way, answered });
+                out.sends.push(CellMessage::Secure { station, key, way });
             }
         }
     }
 
-    /// Standing of a station that was ordered to leave an order; none as long as it is uncertain.
-    fn standing(&self, station: StationId, key: OrderKey) -> Option<SecuredState> {
+    /// Standing of a station that was ordered to leave an order in one of these ways; none as long as it is uncertain.
+    fn standing(&self, station: StationId, key: OrderKey, is_of: impl Fn(LeaveWay) -> bool) -> Option<SecuredState> {
         if !self.rules.stands_first {
             return Some(SecuredState::AtRest);
         }
         let is_at_it = |heard: &TaskReport| heard.slot == Some(key) && self.counts(heard);
         let seen = self.watch.seen(station).filter(|seen| !is_at_it(&seen.heard))?;
-        let answered = self.watch.told.get(&key).and_then(|told| told.answered);
+        let answered = self.watch.told.get(&key).filter(|told| is_of(told.way)).and_then(|told| told.answered);
         // Before the order it may not have begun to go back.
         let has_left = answered.is_some_and(|(at, is_at_it)| !is_at_it && at <= seen.at);
         let has_ended = seen.heard.results.iter().any(|(of, _)| *of == key);
@@ -138,8 +225,10 @@ impl Coordination {
         let Some(firing) = self.state.firing(id) else { return };
         let is_late = trouble.since + self.state.table().handling().secure <= now;
         let stands = |order: &OngoingOrder| {
-            let late = is_late.then_some(SecuredState::Unknown);
-            Some((order.key, self.standing(order.station, order.key).or(late)?))
+            let decided = self.way_to_rest(now, order.station, order.key);
+            let is_of = |way| is_late || (decided.is_final && way == decided.way);
+            let standing = self.standing(order.station, order.key, is_of);
+            Some((order.key, standing.or(is_late.then_some(SecuredState::Unknown))?))
         };
         let known: Vec<_> = self.state.owed(firing).filter_map(stands).collect();
         for (key, standing) in known {

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use linewright_line::{StationId, Tick};
+use linewright_orders::LeaveWay;
 
 use super::super::ids::{OrderKey, ResourceId};
 use super::super::orders::{TaskReply, TaskReport};
@@ -23,9 +24,8 @@ pub(super) struct LastReport {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecureRequest {
     pub at: Tick,
-    /// And to stop at once.
-    pub stop: bool,
-    /// Time of its answer, and whether it is still at it.
+    pub way: LeaveWay,
+    /// Time of the reply to it, and whether it is still at it.
     pub answered: Option<(Tick, bool)>,
 }
 
@@ -33,6 +33,8 @@ pub(super) struct SecureRequest {
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct StationMonitor {
     began: Tick,
+    /// Time of the last step.
+    pub(super) now: Tick,
     seen: BTreeMap<StationId, LastReport>,
     /// Until then no station with an order is missed; none if that has to be computed. A report makes it later, and so does
     /// an end: only a start can make it sooner.
@@ -54,7 +56,13 @@ impl StationMonitor {
         let from = if state.epoch() == 0 { now } else { now + state.table().grace() };
         let sensed = handling.resource_ids().filter(|id| handling.resources[id.index()].is_sensed);
         let uncompared = sensed.map(|id| (id, from)).collect();
-        StationMonitor { began: now, uncompared, ..StationMonitor::default() }
+        StationMonitor { began: now, now, uncompared, ..StationMonitor::default() }
+    }
+
+    /// A step begins. Returns its time.
+    pub fn steps(&mut self, now: Tick) -> Tick {
+        self.now = now;
+        now
     }
 
     /// Takes a station's report.
@@ -64,13 +72,14 @@ impl StationMonitor {
         seen.heard.clone_from(heard);
     }
 
-    /// Takes a station's answer to the order to leave an order.
-    pub fn answered(&mut self, now: Tick, key: OrderKey, reply: TaskReply) {
+    /// Takes a station's reply to the order to leave an order. One to another order than the last does not count.
+    pub fn answered(&mut self, now: Tick, key: OrderKey, way: LeaveWay, reply: TaskReply) {
         let is_at_it = match reply {
             TaskReply::Running => true,
             TaskReply::Ended(_) | TaskReply::Refused(_) => false,
         };
-        self.told.get_mut(&key).into_iter().for_each(|told| told.answered = Some((now, is_at_it)));
+        let told = self.told.get_mut(&key).filter(|told| told.way == way);
+        told.into_iter().for_each(|told| told.answered = Some((now, is_at_it)));
     }
 
     /// A report that an order is done.

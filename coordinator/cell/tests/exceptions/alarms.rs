@@ -52,7 +52,9 @@ fn an_alarm_stops_what_goes_back_from_another_failure() {
         let mut bench = CellBench::c1(&[1, 0]);
         bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
         bench.at("m1").is_stuck = true;
-        bench.until_that(|bench| bench.steps().is_empty() && bench.firing("M1.process<A.new>").is_some_and(has_failed));
+        bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some_and(has_failed));
+        let back = |bench: &CellBench| bench.sim.stations[bench.station("m1").index()].doing().is_some();
+        bench.until_that(|bench| bench.steps().is_empty() && back(bench));
         let m1 = bench.resource("M1");
         if crash {
             // The record of the alarm is written, and nothing was sent yet.

@@ -1,9 +1,9 @@
 //! A rule that puts stations into emergency stop: at once, over restarts, until they are reset.
 
 use linewright_coordinator_cell::exception::{
-    AlarmAnswerRefusal, ExceptionStep, OutOfServiceReason, ResourceRequest, isolated,
+    Alarm, AlarmAnswerRefusal, AlarmSubject, ExceptionStep, OutOfServiceReason, ResourceRequest, isolated,
 };
-use linewright_coordinator_cell::{ActivityPhase, PlayerInput, PlayerState, RecordKind};
+use linewright_coordinator_cell::{ActivityPhase, PartId, PlayerInput, PlayerState, RecordKind};
 use linewright_line::StationId;
 
 use super::bench::{CellBench, workcell};
@@ -90,17 +90,39 @@ fn only_a_reset_leads_out() {
     bench.all_leave(1);
 }
 
+/// An alarm about a resource alone names the reset as well: nothing else is taken before it.
+#[test]
+fn an_alarm_of_a_resource_names_its_station_that_is_to_be_reset() {
+    let mut bench = stopping("\"m3\"");
+    let m3 = bench.resource("M3");
+    (bench.at("robot").is_stuck, bench.at("m1").is_stuck) = (true, true);
+    bench.until_that(|bench| bench.firing(LOAD).is_some());
+    bench.say(PlayerInput::Resource { resource: m3, up: false });
+    bench.sim.truth.put(PartId(99), Some(m3));
+    bench.seconds_later(1.0);
+    bench.say(PlayerInput::Resource { resource: m3, up: true });
+    bench.until_that(|bench| bench.firing(LOAD).is_some_and(|of| of.phase != ActivityPhase::Running));
+    let about = |alarm: &&Alarm| alarm.about == AlarmSubject::Resource(m3);
+    let alarm = bench.state().exceptions().alarms().find(about).expect("a part too many").clone();
+    assert_eq!(bench.sim.coordination.alarm_leads(bench.sim.now, &alarm).reset, [bench.station("m3")]);
+}
+
 /// Reset while the activity is still open it does not stop again by the same rule.
 #[test]
 fn one_failure_stops_a_station_once() {
     let mut bench = stopping("\"m1\"");
+    (bench.at("robot").is_stuck, bench.at("m1").is_stuck) = (true, true);
+    bench.until_that(|bench| bench.firing(LOAD).is_some());
+    bench.seconds_later(23.0);
+    // The robot is not known to stand.
+    bench.at("robot").is_away = true;
     bench.load_runs_out();
     let station = bench.station("m1");
-    // The robot is still on its way back.
     bench.seconds_later(0.3);
     assert_eq!(bench.state().exceptions().alarms().len(), 0);
     bench.say(PlayerInput::Reset(station));
     assert_eq!(bench.stopped(), [], "{:?}", bench.objections());
+    bench.at("robot").is_away = false;
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     assert_eq!(bench.stopped(), []);
     let times = bench.steps().into_iter().filter(|step| matches!(step, ExceptionStep::Stopped { .. })).count();

@@ -17,6 +17,7 @@ const LOAD: &str = "load M1<A.new>";
 #[test]
 fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     let mut bench = CellBench::c1(&[1, 0]);
+    bench.at("m1").waits_to_begin = true;
     bench.until_that(|bench| {
         bench.firing(LOAD).is_some_and(|of| of.orders.iter().all(|of| of.state != OrderProgress::Written))
     });
@@ -57,7 +58,7 @@ fn what_a_station_waited_for_is_why_it_failed_whoever_was_first() {
     let text = workcell().replace("code = \"time-out\"", "code = \"22\"");
     for first in [false, true] {
         let mut bench = CellBench::new(&text, &[1, 0]);
-        (bench.at("robot").is_stuck, bench.at("m1").is_stuck) = (true, true);
+        (bench.at("robot").is_stuck, bench.at("m1").waits_to_begin) = (true, true);
         bench.at("robot").waits_code = Some(22);
         bench.at("robot").fast = if first { Duration::from_secs(1) } else { Duration::ZERO };
         bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
@@ -88,4 +89,41 @@ fn a_station_between_two_rests_is_named_by_whoever_waits_for_it() {
     }
     bench.sim.run_on(&mut Fifo, now + Duration::from_secs(2));
     bench.all_leave(1);
+}
+
+/// Whether the robot goes back when the time of the loading is over: else it stands between two rests.
+fn robot_goes_back(change: impl Fn(&mut CellBench, u64)) -> bool {
+    let mut bench = CellBench::c1(&[1, 0]);
+    (bench.at("robot").is_stuck, bench.at("m1").waits_to_begin) = (true, true);
+    bench.until_that(|bench| bench.firing(LOAD).is_some());
+    for tenth in 0..300 {
+        change(&mut bench, tenth);
+        bench.seconds_later(0.1);
+    }
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    !bench.at("robot").is_held
+}
+
+/// The robot stands at the clamp when its time is over, after 24 s. It goes back where the clamp has not begun to close, and cannot.
+#[test]
+fn a_station_goes_back_only_where_the_other_stands_where_its_order_began() {
+    assert!(robot_goes_back(|_, _| ()));
+    let begins = |at: u64| {
+        move |bench: &mut CellBench, tenth: u64| {
+            if tenth == at {
+                (bench.at("m1").waits_to_begin, bench.at("m1").is_stuck) = (false, true);
+            }
+        }
+    };
+    assert!(!robot_goes_back(begins(100)), "it closes");
+    let ends = |bench: &mut CellBench, tenth: u64| bench.at("m1").waits_to_begin = tenth < 100;
+    assert!(!robot_goes_back(ends), "it has closed");
+    let silent = |bench: &mut CellBench, tenth: u64| bench.at("m1").is_away = tenth > 220;
+    assert!(!robot_goes_back(silent), "it may have begun since its last report");
+    let restart = |bench: &mut CellBench, tenth: u64| {
+        if tenth == 238 {
+            bench.sim.options.crash_at = (0..4).map(|step| bench.sim.steps + 20 * step).collect();
+        }
+    };
+    assert!(robot_goes_back(restart), "a later life decides the same");
 }

@@ -27,10 +27,10 @@ impl CellBench {
     /// Robot and machine wait for each other until both have come to rest and an alarm is raised.
     pub fn load_fails(&mut self) -> OngoingActivity {
         self.at("robot").is_stuck = true;
-        self.at("m1").is_stuck = true;
+        self.at("m1").waits_to_begin = true;
         self.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
         self.at("robot").is_stuck = false;
-        self.at("m1").is_stuck = false;
+        self.at("m1").waits_to_begin = false;
         self.firing(LOAD).expect("it has failed").clone()
     }
 
@@ -310,14 +310,14 @@ fn a_station_that_is_lost_is_told_of_and_left_out() {
     let mut bench = CellBench::c1(&[1, 0]);
     bench.until_that(|bench| bench.firing(LOAD).is_some());
     bench.at("robot").is_away = true;
-    bench.at("m1").is_stuck = true;
+    bench.at("m1").waits_to_begin = true;
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let firing = bench.firing(LOAD).expect("it has failed").clone();
     let lost = ActivityFailure::Order { key: firing.orders[0].key, failure: OrderFailure::Lost };
     assert_eq!(firing.phase, ActivityPhase::Failed(lost));
     assert!(bench.alarm().text.ends_with("robot: rest not confirmed, m1: at rest)"), "{}", bench.alarm().text);
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"], "C1's rule is for what takes too long");
-    bench.at("m1").is_stuck = false;
+    bench.at("m1").waits_to_begin = false;
     let robot = bench.resource("R");
     bench.answer("as-before");
     let refused = AlarmAnswerRefusal::Unheard(bench.station("robot"), robot);
@@ -342,27 +342,24 @@ fn a_station_that_is_lost_is_told_of_and_left_out() {
 #[test]
 fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
     let mut bench = CellBench::c1(&[1, 0]);
+    bench.at("m1").waits_to_begin = true;
     bench.until_that(|bench| bench.firing(LOAD).is_some());
     bench.at("robot").forget();
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
-    assert!(
-        bench.alarm().text.contains("load M1: robot: order lost, its order store was reset,"),
-        "{}",
-        bench.alarm().text
-    );
-    assert!(
-        bench.alarm().text.contains("robot: restarted with an empty order store, m1: at rest"),
-        "{}",
-        bench.alarm().text
-    );
+    let text = bench.alarm().text.clone();
+    assert!(text.contains("load M1: robot: order lost, its order store was reset,"), "{text}");
+    assert!(text.contains("robot: restarted with an empty order store, m1: at rest"), "{text}");
+    bench.at("m1").waits_to_begin = false;
     bench.answer("as-before");
     bench.all_leave(1);
 
     let mut bench = CellBench::c1(&[1, 0]);
+    bench.at("m1").waits_to_begin = true;
     bench.until_that(|bench| bench.sim.stations[bench.station("robot").index()].doing().is_some());
     bench.at("robot").unable = Some(StationUnavailable::Devices);
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     assert!(bench.alarm().text.contains("load M1: robot: I/O devices lost,"), "{}", bench.alarm().text);
+    bench.at("m1").waits_to_begin = false;
     let firing = bench.firing(LOAD).expect("it has failed").id;
     bench.answer("as-before");
     bench.closed(firing);

@@ -205,7 +205,7 @@ fn a_station_half_way_is_named_before_what_a_sensor_contradicts() {
 fn an_alarm_names_the_inputs_that_were_waited_for() {
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);
     bench.at("robot").fails_with = Some(22);
-    bench.at("m1").is_stuck = true;
+    bench.at("m1").waits_to_begin = true;
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let text = bench.alarm().text.clone();
     assert!(text.contains("robot: awaited input not on in time (code 22): m1_clamped, after"), "{text}");
@@ -216,7 +216,7 @@ fn an_alarm_names_the_inputs_that_were_waited_for() {
 fn an_order_left_while_it_waited_is_not_called_late() {
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);
     bench.at("robot").fails_with = Some(22);
-    bench.at("m1").is_stuck = true;
+    bench.at("m1").waits_to_begin = true;
     bench.at("m1").waits_code = Some(12);
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let text = bench.alarm().text.clone();
@@ -345,21 +345,23 @@ fn an_alarm_gives_the_way_on_which_its_stations_are_led() {
         leads.reason.map(|reason| (leads.lead.len(), reason.direction()))
     };
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);
-    bench.at("robot").holds = true;
     bench.at("robot").is_stuck = true;
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let text = bench.alarm_now();
     assert!(text.starts_with("First lead robot on to a rest in manual, since m1 has completed its order. "), "{text}");
     assert_eq!(way(&bench), Some((1, LeadDirection::On)));
+    for (rest, direction) in [(OPEN, LeadDirection::Back), (CLAMPED, LeadDirection::On)] {
+        bench.at("m1").rest = Some(rest);
+        bench.hear();
+        assert_eq!(way(&bench), Some((1, direction)), "led away from where its order left it: {}", bench.alarm_now());
+    }
 
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);
-    bench.at("robot").holds = true;
-    bench.at("m1").holds = true;
-    bench.load_fails();
+    (bench.at("robot").is_stuck, bench.at("m1").is_stuck) = (true, true);
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     assert!(bench.alarm_now().starts_with("First lead robot and m1 to a rest in manual, all on or all back. "));
     assert_eq!(way(&bench), None);
     let now = bench.sim.now;
-    bench.at("m1").holds = false;
     bench.at("m1").bring_to_rest(now);
     // Led by hand: its rest shows which way.
     for (rest, direction) in [(CLAMPED, LeadDirection::On), (OPEN, LeadDirection::Back)] {

@@ -19,7 +19,7 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     // "the robot grasping operation fails and the approach to M1 is made with no part. Both controllers, from machine and
     // robot, reach a deadlock" (L229): neither ends.
     bench.at("robot").is_stuck = true;
-    bench.at("m1").is_stuck = true;
+    bench.at("m1").waits_to_begin = true;
     // "Loading part P1-01 on machine M1 involves the firing of transition load-M1 and the execution of the task"; "the
     // interpreter removes the involved tokens from the input places"; "orders to the robot and M1 controllers are sent by
     // the task" (L218).
@@ -73,7 +73,7 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     // about the exception origin (diagnosis)" (L229).
     assert_eq!((bench.sim.truth.at(P1_01), bench.presence("m1")), (Some(bench.resource("ST")), Presence::Off));
     bench.at("robot").is_stuck = false;
-    bench.at("m1").is_stuck = false;
+    bench.at("m1").waits_to_begin = false;
     bench.answer("in-store");
     let ruling = RecoveryDecision { word: "in-store".to_owned(), part: Whereabouts::From, then: Strategy::Redo };
     let answered = ExceptionStep::Answered { firing: firing.id, ruling: ruling.clone(), by: AnsweredBy::Operator };

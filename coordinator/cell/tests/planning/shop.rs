@@ -156,10 +156,11 @@ impl Shop {
             for send in out.sends {
                 let order = match send {
                     CellMessage::Order(order) => order,
-                    CellMessage::Secure { station, key, stop: _ } => {
+                    CellMessage::Secure { station, key, way } => {
                         inputs.push(PlayerInput::Secured(
                             station,
                             key,
+                            way,
                             TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Waiting(7))),
                         ));
                         continue;

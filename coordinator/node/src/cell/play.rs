@@ -306,7 +306,7 @@ impl CellLoop {
                     let (heard, refused) = wire::heard(&message, self.line.station(station), unable, sensor);
                     let secured = wire::secured(&message, &heard);
                     self.told.push(PlayerMessage::State(station, heard));
-                    self.told.extend(secured.map(|(key, reply)| PlayerMessage::Secured(station, key, reply)));
+                    self.told.extend(secured.map(|(key, way, reply)| PlayerMessage::Secured(station, key, way, reply)));
                     self.told.extend(refused.into_iter().map(|(key, reply)| PlayerMessage::Reply(station, key, reply)));
                 }
             }
@@ -397,7 +397,7 @@ impl CellLoop {
         for send in &out.sends {
             match send {
                 CellMessage::Order(order) => self.says.order(order),
-                CellMessage::Secure { station, key, stop } => self.says.secure(*station, *key, *stop),
+                CellMessage::Secure { station, key, way } => self.says.secure(*station, *key, *way),
             }
         }
         self.note(now, &out);

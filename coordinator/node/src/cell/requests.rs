@@ -11,6 +11,7 @@ use linewright_msgs::{
 };
 use linewright_node_line::quoted;
 use linewright_node_shell::{ServiceReply, fresh_key};
+use linewright_orders::LeaveWay;
 
 use super::pending_replies::{AnsweringOperator, Requester, denied_all};
 use super::play::CellLoop;
@@ -22,7 +23,7 @@ use super::words::by_whom;
 pub(super) enum PlayerMessage {
     State(StationId, TaskReport),
     Reply(StationId, OrderKey, Answered),
-    Secured(StationId, OrderKey, Answered),
+    Secured(StationId, OrderKey, LeaveWay, Answered),
     Submit(RequestId, Vec<ProductionOrderRequest>),
     Cancel(RequestId, String),
     Withdraw(RequestId, String),
@@ -34,7 +35,7 @@ impl PlayerMessage {
         match self {
             PlayerMessage::State(station, heard) => PlayerInput::Station(*station, heard),
             PlayerMessage::Reply(station, key, reply) => PlayerInput::Reply(*station, *key, *reply),
-            PlayerMessage::Secured(station, key, reply) => PlayerInput::Secured(*station, *key, *reply),
+            PlayerMessage::Secured(station, key, way, reply) => PlayerInput::Secured(*station, *key, *way, *reply),
             PlayerMessage::Submit(ticket, requests) => {
                 PlayerInput::Production(*ticket, ProductionCommand::Submit(requests))
             }

@@ -10,6 +10,7 @@ use linewright_node_shell::{
     ActionCaller, Forward, Mapping, MessagePace, Publisher, RosNode, ServiceReply, TopicError, forward_present, qos,
     serve,
 };
+use linewright_orders::LeaveWay;
 use tokio::sync::mpsc;
 
 use super::wire;
@@ -56,10 +57,10 @@ impl CellPublishers {
         }
     }
 
-    /// Orders a station to leave an order, or with `stop` to stand at once.
-    pub fn secure(&self, station: StationId, key: OrderKey, stop: bool) {
+    /// Orders a station to leave an order.
+    pub fn secure(&self, station: StationId, key: OrderKey, way: LeaveWay) {
         if let Some(station) = self.station(station) {
-            station.secure.send(SecureOrder { epoch: key.epoch, id: key.id, stop });
+            station.secure.send(SecureOrder { epoch: key.epoch, id: key.id, way: way.number() });
         }
     }
 

@@ -10,7 +10,7 @@ use linewright_line::{InputId, Line, RestId, Station, Tick, suggestion};
 use linewright_msgs::{
     OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, SetResourceRequest, StationState, Time,
 };
-use linewright_orders::{OrderKey, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
+use linewright_orders::{LeaveWay, OrderKey, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 
 /// Reason in a station's state why it can do nothing now.
 pub fn unable(state: &StationState) -> Option<StationUnavailable> {
@@ -66,6 +66,7 @@ pub fn heard(
         results: message.ended.as_slice().iter().map(|end| (key(end), outcome(end))).collect(),
         is_held: doing.id == 0 && message.rest.is_empty(),
         rest: station.rests.iter().position(|rest| rest.name == message.rest).map(RestId::at),
+        is_in_handshake: message.in_handshake,
         unable,
         presence: presence(message, sensor),
     };
@@ -78,9 +79,9 @@ pub fn heard(
 }
 
 /// A station's reply to the order to leave an order: whether it is still at it.
-pub fn secured(message: &OrderState, heard: &TaskReport) -> Option<(OrderKey, TaskReply)> {
+pub fn secured(message: &OrderState, heard: &TaskReport) -> Option<(OrderKey, LeaveWay, TaskReply)> {
     let key = OrderKey { epoch: message.secured_epoch, id: message.secured_id };
-    (key.id != 0).then(|| (key, heard.secured(key)))
+    (key.id != 0).then(|| (key, LeaveWay::from_number(message.secured_way), heard.secured(key)))
 }
 
 fn key(end: &OrderEnd) -> OrderKey {

@@ -5,7 +5,7 @@ use linewright_coordinator_node::cell::by_whom;
 use linewright_coordinator_node::cell::wire::{heard, moment, request, secured, time};
 use linewright_line::{InputId, Station, Tick};
 use linewright_msgs::{Bounded, OrderEnd, OrderState, ProductionRequest, RosMessage, RunTaskResult, Time};
-use linewright_orders::{OrderKey, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
+use linewright_orders::{LeaveWay, OrderKey, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 use linewright_testkit::built::transfer_line;
 
 fn station() -> Station {
@@ -56,25 +56,28 @@ fn who_was_told_to_leave_an_order_says_so() {
     let key = |id| OrderKey { epoch: 2, id };
     let mut message = OrderState { doing_epoch: 2, doing_id: 5, phase: 2, ..OrderState::default() };
     assert_eq!(secured(&message, &heard(&message, &station(), None, None).0), None, "it was told nothing");
-    (message.secured_epoch, message.secured_id) = (2, 5);
-    assert_eq!(secured(&message, &heard(&message, &station(), None, None).0), Some((key(5), TaskReply::Running)));
+    (message.secured_epoch, message.secured_id, message.secured_way) = (2, 5, LeaveWay::Hold.number());
+    assert_eq!(
+        secured(&message, &heard(&message, &station(), None, None).0),
+        Some((key(5), LeaveWay::Hold, TaskReply::Running))
+    );
     (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
     let end = OrderEnd { epoch: 2, id: 5, end: RunTaskResult::END_FAILED, code: 1005 };
     message.ended = Bounded::new(vec![end]).expect("one");
     assert_eq!(
         secured(&message, &heard(&message, &station(), None, None).0),
-        Some((key(5), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Held))))
+        Some((key(5), LeaveWay::Hold, TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Held))))
     );
     (message.doing_epoch, message.doing_id, message.phase) = (2, 5, 2);
     assert_eq!(
         secured(&message, &heard(&message, &station(), None, None).0),
-        Some((key(5), TaskReply::Running)),
+        Some((key(5), LeaveWay::Hold, TaskReply::Running)),
         "in the slot it has not ended, whatever its results are"
     );
     (message.ended, message.doing_epoch, message.doing_id, message.phase) = (Bounded::default(), 0, 0, 0);
     assert_eq!(
         secured(&message, &heard(&message, &station(), None, None).0),
-        Some((key(5), TaskReply::Refused(TaskRefusal::Old)))
+        Some((key(5), LeaveWay::Hold, TaskReply::Refused(TaskRefusal::Old)))
     );
 }
 

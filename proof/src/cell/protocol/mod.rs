@@ -119,10 +119,12 @@ pub const ENDED: &str = "a station with an ended order moves only on a secure re
 pub const TWICE: &str = "nothing is done twice";
 /// An alarm given by hand stops the stations.
 pub const STOPPED: &str = "an alarm raised by hand stops the stations; standstill before the operator is asked";
+/// A robot that has come to a clamp does not leave it when the clamp may have closed.
+pub const BACK: &str = "a station goes back only while no other station of its activity is in a handshake with it";
 /// From every state the activity can be closed, if people lead to a rest what stands between two.
 pub const CLOSED: &str = "every activity can be closed";
 /// All rules, as named in verdicts.
-pub const ALL: [&str; 7] = [GIVEN, RESTORED, ANSWERED, ENDED, TWICE, STOPPED, CLOSED];
+pub const ALL: [&str; 8] = [GIVEN, RESTORED, ANSWERED, ENDED, TWICE, STOPPED, BACK, CLOSED];
 
 /// Explores every activity of a cell that orders something from stations; those that order the same from the same stations
 /// once.

@@ -11,6 +11,7 @@ use linewright_coordinator_cell::{
     PlayerInput, PlayerOutbox, ProtocolRules, Question, RecordKind, Start, TaskReply,
 };
 use linewright_line::{StationId, Tick};
+use linewright_orders::LeaveWay;
 use rustc_hash::FxHashMap;
 
 use super::station::StationAnswer;
@@ -25,7 +26,7 @@ pub(super) enum StationMessage {
     Secure {
         station: StationId,
         key: OrderKey,
-        stop: bool,
+        way: LeaveWay,
         /// It was sent after a person had given alarm of the activity: nothing may move for this order any more.
         alarmed: bool,
     },
@@ -237,7 +238,7 @@ impl Players {
             PlayerMove::Heard(nth, number) => {
                 let (station, said) = said(nth, number);
                 let mut inputs = vec![starts, PlayerInput::Station(station, &said.heard)];
-                inputs.extend(said.secured.map(|(key, reply)| PlayerInput::Secured(station, key, reply)));
+                inputs.extend(said.secured.map(|(key, way, reply)| PlayerInput::Secured(station, key, way, reply)));
                 let refused =
                     said.refused.iter().map(|&(key, why)| PlayerInput::Reply(station, key, TaskReply::Refused(why)));
                 inputs.extend(refused);
@@ -287,8 +288,8 @@ impl Players {
                     message.order.limit = Duration::ZERO;
                     StationMessage::Order(message)
                 }
-                CellMessage::Secure { station, key, stop } => {
-                    StationMessage::Secure { station, key, stop, alarmed: next.alarmed.contains(&key) }
+                CellMessage::Secure { station, key, way } => {
+                    StationMessage::Secure { station, key, way, alarmed: next.alarmed.contains(&key) }
                 }
             };
             if !self.stations.contains(&message.station()) {

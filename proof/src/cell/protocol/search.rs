@@ -7,7 +7,8 @@ use super::players::{PlayerMove, Players, StandReason, StationMessage};
 use super::stage::ActivityStart;
 use super::station::{TaskStationAct, TaskStationModels};
 use super::{
-    ANSWERED, ActivityExplored, BrokenRule, CLOSED, ENDED, GIVEN, ProtocolSetting, RESTORED, STOPPED, TWICE, words,
+    ANSWERED, ActivityExplored, BACK, BrokenRule, CLOSED, ENDED, GIVEN, ProtocolSetting, RESTORED, STOPPED, TWICE,
+    words,
 };
 use crate::explore::LimitReached;
 
@@ -167,7 +168,7 @@ impl ProtocolSearch<'_> {
             let mut next = state.to_vec();
             next[at] = self.machines[nth].hear(situation, number, |machine| match message {
                 StationMessage::Order(order) => machine.order(order),
-                StationMessage::Secure { key, stop, alarmed, .. } => machine.secure(*key, *stop, *alarmed),
+                StationMessage::Secure { key, way, alarmed, .. } => machine.secure(*key, *way, *alarmed),
             });
             self.station(from, next, nth, ProtocolArc::Message(number));
         }
@@ -209,10 +210,21 @@ impl ProtocolSearch<'_> {
         let twice = machine.twice.then(|| (TWICE, format!("{name} does again what it has done")));
         let on = machine.moves_on.then(|| (STOPPED, format!("{name} moves after receiving the alarm")));
         let ended = machine.goes_on().then(|| (ENDED, format!("{name} reports an order ended that is in progress")));
-        for (rule, end) in twice.into_iter().chain(on).chain(ended) {
+        for (rule, end) in twice.into_iter().chain(on).chain(ended).chain(self.goes_back(&next)) {
             self.found(from, by, rule, end);
         }
         self.enter(next.into(), from, by);
+    }
+
+    /// A station that goes back while another one is in a handshake with it.
+    fn goes_back(&self, state: &[u32]) -> Option<(&'static str, String)> {
+        let retreat = |nth: usize| self.machines[nth].retreats[state[STATIONS + 2 * nth] as usize];
+        let all = 0..self.stations.len();
+        let pairs = all.clone().flat_map(|back| all.clone().map(move |other| (back, other)));
+        let mut pairs = pairs.filter(|(back, other)| back != other && retreat(*back).goes_back);
+        let (back, other) = pairs.find(|&(_, other)| retreat(other).is_involved)?;
+        let [back, other] = [back, other].map(|nth| &self.setting.line.station(self.stations[nth]).name);
+        Some((BACK, format!("{back} goes back while {other} may be in a handshake with it")))
     }
 
     fn player(&mut self, from: u32, mut next: Vec<u32>, event: PlayerMove) {

@@ -11,8 +11,8 @@ use std::time::Duration;
 use linewright_coordinator_cell::{OrderMessage, StationUnavailable, TaskReport};
 use linewright_coordinator_shell::orders::heard;
 use linewright_line::net::{Block, ControlMode, StationPlace};
-use linewright_line::{Line, OpId, OperationModule, StationId, Tick};
-use linewright_orders::{OrderKey, TaskCommand, TaskOrder, TaskRefusal, TaskReply};
+use linewright_line::{Line, OpId, OperationModule, RestId, StationId, Tick};
+use linewright_orders::{LeaveWay, OrderKey, TaskCommand, TaskOrder, TaskRefusal, TaskReply};
 use linewright_station_logic::{
     CompileError, Controller, ModeOrder, NO_DELAY, OrderRules, PanelCommand, RequestWriter, Restore, StationInput,
     StationOutbox,
@@ -51,7 +51,7 @@ pub(super) enum TaskStationAct {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct StationAnswer {
     pub heard: TaskReport,
-    pub secured: Option<(OrderKey, TaskReply)>,
+    pub secured: Option<(OrderKey, LeaveWay, TaskReply)>,
     pub refused: Vec<(OrderKey, TaskRefusal)>,
 }
 
@@ -66,7 +66,7 @@ pub(super) struct TaskStationModel {
     boots: u64,
     /// Of the mode orders it was given in this life.
     epoch: u64,
-    secured: Option<OrderKey>,
+    secured: Option<(OrderKey, LeaveWay)>,
     /// The orders of which it has begun something, in all its lives.
     begun: BTreeSet<OrderKey>,
     /// One of them was begun again.
@@ -75,6 +75,10 @@ pub(super) struct TaskStationModel {
     stopped: BTreeSet<OrderKey>,
     /// Something has moved all the same.
     pub moves_on: bool,
+    /// Where it stood before the activity.
+    from: Option<RestId>,
+    /// A person has led it since.
+    is_led: bool,
     rules: OrderRules,
 }
 
@@ -104,14 +108,17 @@ impl TaskStationModel {
             twice: false,
             stopped: BTreeSet::new(),
             moves_on: false,
+            from: None,
+            is_led: false,
             rules: OrderRules::default(),
         };
         machine.wake(line);
         Ok(machine)
     }
 
-    /// The same with some rules switched off.
+    /// The same before an activity, with some rules switched off.
     pub fn with_rules(mut self, rules: OrderRules) -> Self {
+        self.from = self.rest();
         self.controller = self.controller.with_order_rules(rules);
         self.rules = rules;
         self
@@ -138,6 +145,7 @@ impl TaskStationModel {
     }
 
     fn lead(&mut self, line: &Line, on: bool) {
+        self.is_led = true;
         self.obey(ControlMode::Manual);
         self.hold(on, false);
         self.hold(on, true);
@@ -171,13 +179,13 @@ impl TaskStationModel {
         }
     }
 
-    /// Receives the message to leave an order, or to stop; `alarmed` if nothing may move for it any more.
-    pub fn secure(&mut self, key: OrderKey, stop: bool, alarmed: bool) {
-        self.secured = Some(key);
+    /// Receives the message to leave an order; `alarmed` if nothing may move for it any more.
+    pub fn secure(&mut self, key: OrderKey, way: LeaveWay, alarmed: bool) {
+        self.secured = Some((key, way));
         if alarmed {
             self.stopped.insert(key);
         }
-        self.controller.handle(self.now, StationInput::Task(TaskCommand::leave(key, stop)));
+        self.controller.handle(self.now, StationInput::Task(TaskCommand::Leave(key, way)));
         self.step();
     }
 
@@ -201,8 +209,23 @@ impl TaskStationModel {
     /// Whether it reports the end of an order which it is still at, and which it was not ordered to leave.
     pub fn goes_on(&self) -> bool {
         let Some(report) = self.controller.report().order else { return false };
-        let slot = report.slot.map(|slot| slot.key).filter(|key| self.secured != Some(*key));
+        let slot =
+            report.slot.map(|slot| slot.key).filter(|key| self.secured.is_none_or(|(secured, _)| secured != *key));
         slot.is_some_and(|slot| report.results.iter().any(|(key, _)| *key == slot))
+    }
+
+    fn rest(&self) -> Option<RestId> {
+        self.controller.report().order.and_then(|order| order.rest)
+    }
+
+    /// Whether it goes back, and whether it is a reason for others not to.
+    pub fn retreat(&self) -> Retreat {
+        let order = self.controller.report().order.unwrap_or_default();
+        let goes_back = order.slot.is_some_and(|slot| slot.is_securing) && order.rest.is_none();
+        let goes_on = order.slot.is_some_and(|slot| !slot.is_securing);
+        let has_done = order.rest.is_some() && order.rest != self.from;
+        let is_involved = !self.is_led && (goes_on || has_done || order.is_in_handshake);
+        Retreat { goes_back, is_involved }
     }
 
     /// The order it has or goes back from, if it does, and whether anything moves.
@@ -297,7 +320,7 @@ impl TaskStationModel {
             self.controller.marking().any(StationPlace::is_incomplete).then_some(StationUnavailable::Incomplete)
         };
         let heard = TaskReport { unable, ..heard(&order) };
-        let secured = self.secured.map(|key| (key, heard.secured(key)));
+        let secured = self.secured.map(|(key, way)| (key, way, heard.secured(key)));
         StationAnswer { heard, secured, refused: order.refused }
     }
 
@@ -309,7 +332,7 @@ impl TaskStationModel {
         // Writing to a string does not fail.
         let _ = write!(
             out,
-            "{words:?} {order:?} {} {} {:?} {:?} {} {:?} {} {}",
+            "{words:?} {order:?} {} {} {:?} {:?} {} {:?} {} {} {}",
             self.switches,
             self.sensors,
             self.secured,
@@ -317,9 +340,18 @@ impl TaskStationModel {
             self.twice,
             self.stopped,
             self.moves_on,
+            self.is_led,
             self.outputs
         );
     }
+}
+
+/// Whether a station goes back, and whether it is a reason for others not to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Retreat {
+    pub goes_back: bool,
+    /// It has an order that goes on, or has completed one, or stands in a handshake; and no person has led it since.
+    pub is_involved: bool,
 }
 
 /// All situations of a station that have been met.
@@ -333,6 +365,8 @@ pub(super) struct TaskStationModels<'l> {
     pub said: Vec<StationAnswer>,
     /// By situation: see [`TaskStationModel::is_at`].
     pub at: Vec<(Option<OrderKey>, bool)>,
+    /// By situation: see [`TaskStationModel::retreat`].
+    pub retreats: Vec<Retreat>,
     acted: FxHashMap<(u32, TaskStationAct), u32>,
     heard: FxHashMap<(u32, u32), u32>,
     scratch: String,
@@ -348,6 +382,7 @@ impl<'l> TaskStationModels<'l> {
             says: Vec::new(),
             said: Vec::new(),
             at: Vec::new(),
+            retreats: Vec::new(),
             acted: FxHashMap::default(),
             heard: FxHashMap::default(),
             scratch: String::new(),
@@ -372,6 +407,7 @@ impl<'l> TaskStationModels<'l> {
         self.acts.push(acts);
         self.says.push(says as u32);
         self.at.push(machine.is_at(self.line));
+        self.retreats.push(machine.retreat());
         self.all.push(machine);
         number
     }

@@ -2,8 +2,8 @@
 
 use linewright_coordinator_cell::OrderMessage;
 use linewright_line::{Line, StationId};
-use linewright_orders::OrderKey;
 use linewright_orders::TaskOutcome;
+use linewright_orders::{LeaveWay, OrderKey};
 
 use super::players::{PlayerMove, ProtocolPlayer, StationMessage};
 use super::station::{StationAnswer, TaskStationAct, TaskStationModel};
@@ -14,8 +14,12 @@ pub(super) fn message(line: &Line, message: &StationMessage) -> String {
         StationMessage::Order(OrderMessage { station, order, .. }) => {
             format!("{} receives order {}: {}", name(*station), number(order.key), order.task)
         }
-        StationMessage::Secure { station, key, stop, alarmed: _ } => {
-            let what = if *stop { "stop" } else { "leave" };
+        StationMessage::Secure { station, key, way, alarmed: _ } => {
+            let what = match way {
+                LeaveWay::Back => "go back from",
+                LeaveWay::Hold => "hold",
+                LeaveWay::Stop => "stop",
+            };
             format!("{} receives: {what} order {}", name(*station), number(*key))
         }
     }

@@ -3,8 +3,6 @@
 use crate::controller::Controller;
 use crate::order::{SlotReport, TaskOrderReport, TaskReply};
 
-use super::SlotPhase;
-
 impl Controller {
     /// Adds the state of its orders to `report`.
     pub(crate) fn report_orders(&self, report: &mut Option<TaskOrderReport>) {
@@ -15,11 +13,8 @@ impl Controller {
         let report = report.get_or_insert_with(TaskOrderReport::default);
         report.memory = orders.memory;
         report.epoch = orders.epoch;
-        report.slot = orders.slot.map(|slot| SlotReport {
-            key: slot.key,
-            task: slot.task,
-            is_securing: slot.phase != SlotPhase::Running,
-        });
+        report.slot =
+            orders.slot.map(|slot| SlotReport { key: slot.key, task: slot.task, is_securing: slot.phase.goes_back() });
         report.results.clear();
         report.results.extend(orders.results.iter().filter_map(|(key, reply)| match reply {
             TaskReply::Ended(outcome) => Some((*key, *outcome)),
@@ -31,5 +26,6 @@ impl Controller {
             TaskReply::Running | TaskReply::Ended(_) => None,
         }));
         report.rest = self.rest();
+        report.is_in_handshake = self.is_in_handshake();
     }
 }

@@ -69,7 +69,7 @@ impl SlotPhase {
     /// Outcome of an order that something has stopped: `stopped`, unless it was given up before.
     fn failed_with(self, stopped: TaskFailure) -> TaskFailure {
         match (self, stopped) {
-            (SlotPhase::Securing { failure: Some(failure) }, _) => failure,
+            (SlotPhase::Ending { failure } | SlotPhase::Securing { failure: Some(failure) }, _) => failure,
             (SlotPhase::Running, stopped) => stopped,
             (SlotPhase::Securing { failure: None } | SlotPhase::Returning, TaskFailure::Stopped) => {
                 TaskFailure::Stopped

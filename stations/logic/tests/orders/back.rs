@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Restore, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply};
+use linewright_station_logic::{LeaveWay, Restore, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply};
 
 use super::bench::{MEMORY, OrderBench, ended, key, order};
 
@@ -75,25 +75,35 @@ fn told_before_the_order_itself_it_does_not_take_it_on_when_it_comes() {
     assert_eq!(m1.secure(key(1, 4)), TaskReply::Refused(TaskRefusal::OldEpoch));
 }
 
+/// Another station may rely on where it stands, which the coordinator alone can see.
 #[test]
-fn when_its_time_is_over_it_goes_back_and_the_order_ends_when_it_stands() {
+fn when_its_time_is_over_it_ends_the_motion_and_stands_until_it_is_told_to_go_back() {
     let mut m1 = OrderBench::clamped();
     let short = TaskOrder { limit: Duration::from_millis(500), ..order(2, "machine") };
     m1.run(&short);
     m1.wait(Duration::from_millis(500));
+    assert_eq!((m1.doing().as_str(), m1.result(key(1, 2))), ("slide in", None), "it has not ended as long as it moves");
+    m1.arrive();
+    m1.wait(Duration::from_secs(60));
+    let timed_out = TaskOutcome::Failed(TaskFailure::TimedOut);
+    assert_eq!((m1.doing().as_str(), m1.result(key(1, 2))), ("slide in (done)", Some(timed_out)));
+    assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
+    m1.arrive();
+    assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
+    assert_eq!(m1.orders().results.last(), Some(&(key(1, 2), timed_out)), "for what it was");
+}
+
+#[test]
+fn told_to_go_back_in_the_motion_in_which_its_time_is_over_it_fails_with_that() {
+    let mut m1 = OrderBench::clamped();
+    m1.run(&TaskOrder { limit: Duration::from_millis(500), ..order(2, "machine") });
+    m1.wait(Duration::from_millis(500));
+    assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
     for doing in ["slide in", "undoing slide in"] {
-        assert_eq!(m1.doing(), doing);
-        assert_eq!(m1.result(key(1, 2)), None, "it has not ended as long as it moves");
-        assert!(m1.orders().slot.is_some_and(|slot| slot.is_securing && slot.key == key(1, 2)));
-        assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
+        assert_eq!((m1.doing().as_str(), m1.result(key(1, 2))), (doing, None));
         m1.arrive();
     }
-    assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
-    assert_eq!(
-        m1.orders().results.last(),
-        Some(&(key(1, 2), TaskOutcome::Failed(TaskFailure::TimedOut))),
-        "for what it was"
-    );
+    assert_eq!(m1.result(key(1, 2)), Some(TaskOutcome::Failed(TaskFailure::TimedOut)));
 }
 
 /// It waits for a part that does not come: its failure does not depend on which time is over first.
@@ -158,4 +168,60 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
     assert_eq!((report.done, report.started, report.cycle), (vec![0; 10], vec![0; 10], 1));
     robot.run(&order(2, "load m1"));
     assert_eq!(robot.doing(), "to the store");
+}
+
+/// The motion ends, the order too; it stands there, and may be ordered back afterwards.
+#[test]
+fn told_to_hold_it_ends_the_motion_and_stands_until_it_is_told_to_go_back() {
+    let mut m1 = OrderBench::clamped();
+    m1.run(&order(2, "machine"));
+    assert_eq!((m1.leave(key(1, 2), LeaveWay::Hold), m1.on().first().copied()), (TaskReply::Running, Some("Y_in")));
+    m1.arrive();
+    m1.wait(Duration::from_secs(60));
+    let cancelled = TaskOutcome::Failed(TaskFailure::Cancelled);
+    assert_eq!((m1.doing().as_str(), m1.result(key(1, 2))), ("slide in (done)", Some(cancelled)));
+    assert_eq!(m1.leave(key(1, 2), LeaveWay::Hold), TaskReply::Ended(cancelled), "a copy");
+    assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
+    m1.arrive();
+    assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
+    // Before it is received an order is left the same way.
+    assert_eq!(m1.leave(key(1, 3), LeaveWay::Hold), TaskReply::Ended(cancelled));
+    assert_eq!(m1.run(&order(3, "release")), TaskReply::Ended(cancelled));
+}
+
+/// What its operations have waited for so far decides whether another station may rely on where it stands.
+#[test]
+fn a_station_is_in_a_handshake_from_the_first_operation_that_waits_until_that_is_taken_back() {
+    let mut robot = OrderBench::standing(StationId(1), Restore::Fresh, MEMORY, &["A_0", "G_0"]);
+    robot.mode(ControlMode::Auto);
+    robot.run(&order(1, "load m1"));
+    let mut seen = Vec::new();
+    let mut look = |robot: &OrderBench| seen.push((robot.doing(), robot.orders().is_in_handshake));
+    for _ in 0..3 {
+        look(&robot);
+        robot.arrive();
+    }
+    look(&robot);
+    robot.set("m1_closed", true);
+    look(&robot);
+    robot.leave(key(1, 1), LeaveWay::Hold);
+    robot.arrive();
+    look(&robot);
+    robot.secure(key(1, 1));
+    for _ in 0..3 {
+        look(&robot);
+        robot.arrive();
+    }
+    let expected = [
+        ("to the store", false),
+        ("grasp", false),
+        ("carry to m1", false),
+        ("carry to m1 (done)", false),
+        ("let go", true),
+        ("let go (done)", true),
+        ("undoing let go", true),
+        ("undoing carry to m1", false),
+        ("undoing grasp", false),
+    ];
+    assert_eq!(seen, expected.map(|(doing, is)| (doing.to_owned(), is)));
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{AxisId, MotionSignals, OpId, OperationModule, StationId, parse};
 use linewright_station_logic::{
-    OrderKey, PanelCommand, Restore, StationInput, StationSnapshot, TaskCommand, TaskFailure, TaskOrder,
+    LeaveWay, OrderKey, PanelCommand, Restore, StationInput, StationSnapshot, TaskCommand, TaskFailure, TaskOrder,
     TaskOrderReport, TaskOutcome, TaskReply,
 };
 
@@ -179,11 +179,15 @@ impl OrderBench {
     }
 
     pub fn secure(&mut self, key: OrderKey) -> TaskReply {
-        self.command(TaskCommand::Secure(key), key)
+        self.leave(key, LeaveWay::Back)
     }
 
     pub fn stop(&mut self, key: OrderKey) -> TaskReply {
-        self.command(TaskCommand::Stop(key), key)
+        self.leave(key, LeaveWay::Stop)
+    }
+
+    pub fn leave(&mut self, key: OrderKey, way: LeaveWay) -> TaskReply {
+        self.command(TaskCommand::Leave(key, way), key)
     }
 
     fn command(&mut self, command: TaskCommand<'_>, key: OrderKey) -> TaskReply {
