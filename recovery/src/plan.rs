@@ -394,7 +394,7 @@ fn by_commands_and_presses(
         steps.push(commanded(command, &desk));
     }
     let (end, begins_anew) = (RecoveryEnd::Auto, search(kept).leads_home(&last));
-    let led = ends.led(&last, is_certain);
+    let led = ends.led(&last, kept, is_certain);
     RecoveryPlan {
         steps,
         end,

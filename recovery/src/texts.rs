@@ -327,11 +327,15 @@ impl LedActivity {
     pub fn text(&self, line: &Line) -> String {
         let names: Vec<&str> = self.stations.iter().map(|id| line.station(*id).name.as_str()).collect();
         let names = names.join(" and ");
+        let unordered = match self.is_ordered {
+            true => "",
+            false => ". No presses keep the order of their operations: before each see that one of them holds the part",
+        };
         let (are, their) = if self.stations.len() > 1 { ("are", "their tasks") } else { ("is", "its task") };
         let Some(end) = self.end else {
             let are_not = if self.is_certain { "cannot be led" } else { "are not led, as far as was searched," };
             return format!(
-                "alarm {}: {names} {are_not} to the same end of {their}: see where the part is, and answer by that",
+                "alarm {}: {names} {are_not} to the same end of {their}: see where the part is, and answer by that{unordered}",
                 self.alarm
             );
         };
@@ -345,7 +349,7 @@ impl LedActivity {
             Some(decided) => format!("although {}: no presses were found that lead {other}", decided.because),
             None => "which is shorter".to_owned(),
         };
-        format!("alarm {}: {names} {are} {way}, {why}", self.alarm)
+        format!("alarm {}: {names} {are} {way}, {why}{unordered}", self.alarm)
     }
 }
 
