@@ -267,6 +267,8 @@ fn a_part_is_held_along_every_list() {
                 let texts: Vec<String> = found.steps.iter().map(|step| step.text(transfer.line)).collect();
                 let what = fault(&transfer, moment, &found);
                 assert_eq!(what, None, "{orders:?} {moment:?} {end:?}: {texts:#?}");
+                let decided = seen.alarms[0].end.as_ref().map(|of| of.end);
+                assert!(decided.is_none() || found.led[0].end == decided, "{orders:?} {moment:?} {end:?}: {texts:#?}");
                 assert!(found.led[0].is_ordered, "{orders:?} {moment:?} {end:?}: {texts:#?}");
                 both += usize::from(seen.alarms[0].lead.len() == 2);
                 match found.led[0].end {
