@@ -6,7 +6,7 @@
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
-use linewright_line::{ButtonId, Line, RestId, StationId};
+use linewright_line::{ButtonId, RestId, StationId};
 use linewright_station_logic::{ModeOrder, StationInput};
 
 use crate::desk::Desk;
@@ -34,21 +34,19 @@ pub(crate) struct WayInHand {
     pub to_auto: Vec<(ModeCommand, Desk)>,
 }
 
-/// Every station that an alarm asks for is brought to its rest; none where that does not go by buttons.
-pub(crate) fn in_hand(line: &Line, situation: &LineSituation, mut units: PlayedStations) -> Option<WayInHand> {
-    let floor = PlayedLine::new(line, &units);
-    floor.meet(&mut units);
-    let desk = Desk::new(&floor, situation, units);
-    let to_hand = desk.way_to(&floor, ControlMode::Hand)?;
+/// Every station that an alarm asks for is brought to its rest; none where that does not go by buttons, or nothing is asked for.
+pub(crate) fn in_hand(floor: &PlayedLine<'_>, situation: &LineSituation, desk: Desk) -> Option<WayInHand> {
+    let asked: Vec<(StationId, RestId)> = situation.alarms.iter().filter_map(|alarm| alarm.bring).collect();
+    let to_hand = desk.way_to(floor, ControlMode::Hand).filter(|_| !asked.is_empty())?;
     let mut desk = to_hand.last().map_or(desk, |(_, desk)| desk.clone());
     let mut held: Vec<HeldButton> = Vec::new();
-    for (station, rest) in situation.alarms.iter().filter_map(|alarm| alarm.bring) {
-        let brought = best_button(&floor, &desk.units, station, rest)?;
+    for (station, rest) in asked {
+        let brought = best_button(floor, &desk.units, station, rest)?;
         desk.units.clone_from(&brought.after);
         held.push(brought);
     }
-    desk.settle(&floor);
-    let to_auto = desk.way_to(&floor, ControlMode::Auto)?;
+    desk.settle(floor);
+    let to_auto = desk.way_to(floor, ControlMode::Auto)?;
     Some(WayInHand { to_hand, held, to_auto })
 }
 

@@ -120,6 +120,11 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
             true => RecoveryAction::First(Need::Halt),
             false => RecoveryAction::Command(ModeCommand::Stop),
         };
+        for (id, report) in line.station_ids().zip(&mut reports) {
+            if !situation.left_out.contains(&id) {
+                image::end_task(line.station(id), report);
+            }
+        }
         let mode = match led.is_empty() && reports.iter().all(|report| report.at_home) {
             true => ControlMode::Home,
             false => ControlMode::StandBy,
@@ -156,7 +161,6 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
             .filter(|&(id, op, _)| line.station(id).index_of(op).is_none())
             .collect();
         let brought = Some(&units).filter(|_| is_to_bring).and_then(|units| brought(line, situation, units));
-        let is_brought = brought.is_some();
         let mut found = brought.unwrap_or_else(|| by_commands_and_presses(line, situation, &led, units));
         let is_open = matches!(found.end, RecoveryEnd::NoWay { .. });
         if is_open
@@ -170,6 +174,7 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
             continue;
         }
         steps.append(&mut by_hand);
+        let is_brought = found.steps.iter().any(|step| matches!(step.action, RecoveryAction::Hold { .. }));
         // Answered when what they ask for is done, and a resource is led to a rest by then.
         let last = found.steps.len() - usize::from(found.end == RecoveryEnd::Auto && !found.steps.is_empty());
         found.steps.splice(last..last, answers(is_brought));
@@ -198,7 +203,9 @@ fn beside_auto(
             line.station_ids().zip(reports).map(|(id, report)| unit(line, id, report).map(Rc::new)).collect();
         if let Ok(units) = units {
             plan = by_commands_and_presses(line, &manual, led, units);
-            plan.steps.retain(|step| !matches!(step.action, RecoveryAction::Command(_)));
+            let is_of_all =
+                |step: &RecoveryStep| matches!(step.action, RecoveryAction::Command(_) | RecoveryAction::Hold { .. });
+            plan.steps.retain(|step| !is_of_all(step));
         }
     }
     plan.steps.extend(alone.iter().map(|&station| RecoveryStep {
@@ -305,7 +312,15 @@ fn fault_signals(station: &Station, report: &StationReport) -> Vec<InputId> {
 
 /// Stations at rests where nothing begins are brought to others in hand mode.
 fn brought(line: &Line, situation: &LineSituation, units: &PlayedStations) -> Option<RecoveryPlan> {
-    let way = bring::in_hand(line, situation, units.clone())?;
+    let floor = PlayedLine::new(line, units);
+    let mut units = units.clone();
+    floor.meet(&mut units);
+    let way = bring::in_hand(&floor, situation, Desk::new(&floor, situation, units))?;
+    Some(RecoveryPlan::ends(in_hand(line, way), RecoveryEnd::Auto))
+}
+
+/// The steps of a way in hand mode.
+fn in_hand(line: &Line, way: bring::WayInHand) -> Vec<RecoveryStep> {
     let held = |of: bring::HeldButton| {
         let moved =
             |&(id, place): &(StationId, StationPlace)| planned(line, id, place, of.after[id.index()].report.measured);
@@ -317,10 +332,13 @@ fn brought(line: &Line, situation: &LineSituation, units: &PlayedStations) -> Op
             after: None,
         }
     };
-    let mut steps: Vec<RecoveryStep> = way.to_hand.iter().map(|(command, desk)| commanded(*command, desk)).collect();
+    let all = |way: &[(ModeCommand, Desk)]| -> Vec<RecoveryStep> {
+        way.iter().map(|(command, desk)| commanded(*command, desk)).collect()
+    };
+    let (mut steps, to_auto) = (all(&way.to_hand), all(&way.to_auto));
     steps.extend(way.held.into_iter().map(held));
-    steps.extend(way.to_auto.iter().map(|(command, desk)| commanded(*command, desk)));
-    Some(RecoveryPlan::ends(steps, RecoveryEnd::Auto))
+    steps.extend(to_auto);
+    steps
 }
 
 /// `led`: stations that an alarm asks to be led to a rest, though the mode does not depend on them.
@@ -349,7 +367,7 @@ fn by_commands_and_presses(
         let epoch = desk.units[at].report.mode_epoch;
         floor.order(&mut desk.units, at, in_manual(epoch));
     }
-    let to_auto = |units: &PlayedStations| {
+    let led_to = |units: &PlayedStations| {
         let mut desk = desk.clone();
         desk.units.clone_from(units);
         desk.settle(&floor);
@@ -357,9 +375,9 @@ fn by_commands_and_presses(
         for station in (0..units.len()).filter(at_manual) {
             desk.turn_selector(&floor, StationId::at(station), false);
         }
-        desk.way_to(&floor, ControlMode::Auto)
+        desk
     };
-    let accepted = |units: &PlayedStations| to_auto(units).is_some();
+    let accepted = |units: &PlayedStations| led_to(units).way_to(&floor, ControlMode::Auto).is_some();
     // Where selectors have led to manual the panels are not the console's.
     let stay: Vec<StationId> = situation.left_out.iter().copied().filter(|id| !led.contains(id)).collect();
     let ends = CommonEnds::of(line, situation, led);
@@ -390,8 +408,11 @@ fn by_commands_and_presses(
         };
         steps.push(RecoveryStep { action, moves: Vec::new(), is_doubtful: false, mode, after: None });
     }
-    for (command, desk) in to_auto(&last).into_iter().flatten() {
-        steps.push(commanded(command, &desk));
+    let desk = led_to(&last);
+    let to_auto = desk.way_to(&floor, ControlMode::Auto);
+    match bring::in_hand(&floor, situation, desk) {
+        Some(way) => steps.extend(in_hand(line, way)),
+        None => steps.extend(to_auto.into_iter().flatten().map(|(command, desk)| commanded(command, &desk))),
     }
     let (end, begins_anew) = (RecoveryEnd::Auto, search(kept).leads_home(&last));
     let led = ends.led(&last, kept, is_certain);

@@ -192,7 +192,8 @@ impl<'l> Transfer<'l> {
     }
 }
 
-fn reported(line: &Line, id: StationId, snapshot: StationSnapshot, seen: u128) -> StationReport {
+/// The report of a station that stands so, with these inputs beside its switches.
+pub fn reported(line: &Line, id: StationId, snapshot: StationSnapshot, seen: u128) -> StationReport {
     let station = line.station(id);
     let bits = snapshot.marking.iter().fold(seen, |bits, &place| bits | station.rest_inputs(place));
     let mut controller = Controller::new(line, id, 7, Restore::From(snapshot)).expect("its own");
