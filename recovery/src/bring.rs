@@ -4,6 +4,7 @@
 //! where a task waits for an input that is off. A button that moves another station is none: how far that one goes depends on how long a
 //! person holds it.
 
+use linewright_coordinator_cell::compile::rests;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{ButtonId, RestId, StationId};
@@ -63,7 +64,13 @@ fn best_button(
         let moves_others = motions.iter().any(|(id, _)| *id != station);
         (at == Some(rest) && !moves_others).then_some(HeldButton { station, rest, button, motions, after })
     });
-    all.min_by_key(|held| held.motions.len())
+    let all: Vec<HeldButton> = all.collect();
+    let stands = before[station.index()].report.order.as_ref().and_then(|order| order.rest);
+    // The one that the alarm names goes before others, also shorter ones.
+    let ways = Some(&all).filter(|all| all.len() > 1).map(|_| rests(floor.line, station));
+    let named = ways.as_ref().zip(stands).and_then(|(ways, stands)| ways.button(stands, rest));
+    let is_named = |button: ButtonId| named == Some(floor.line.buttons[button.index()].as_str());
+    all.into_iter().min_by_key(|held| (!is_named(held.button), held.motions.len()))
 }
 
 /// Holds a button until nothing moves by it any more. None where that does not end.

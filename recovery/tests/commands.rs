@@ -153,7 +153,8 @@ fn follow_commands(mut of: WrongRest) {
         of.give(&commands[0]);
     }
     assert!(of.is_answered && of.sim.mode() == ControlMode::Auto, "{mode}: {given:#?}");
-    assert!(given.iter().any(|words| words.starts_with("press LINE PB_")), "{mode}: {given:#?}");
+    // PB_back_1 leads there as well, with as many motions; its alarm names this one.
+    assert!(given.iter().any(|words| words.starts_with("press LINE PB_clear_1 ")), "{mode}: {given:#?}");
 }
 
 #[test]
