@@ -54,6 +54,11 @@ impl RecoveryPlan {
         RecoveryPlan { steps, end, is_shortest: true, begins_anew: false, led: Vec::new(), expanded: 0 }
     }
 
+    /// Whether a failed activity of a cell has no alarm that could be answered.
+    pub fn is_unsettled(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step.action, RecoveryAction::First(Need::Settled { .. })))
+    }
+
     /// Whether an alarm of a cell waits for its answer.
     pub fn has_alarms(&self) -> bool {
         self.steps.iter().any(|step| matches!(step.action, RecoveryAction::First(Need::Answer(_))))
@@ -73,8 +78,29 @@ impl RecoveryPlan {
     }
 }
 
-/// The shortest list of actions from a situation to auto.
+/// The shortest list of actions from a situation to auto. As long as a failed activity has no alarm, what follows is not known.
 pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
+    let mut found = planned_now(line, situation);
+    let is_away = |id: &StationId| {
+        let report = situation.stations.get(id.index()).and_then(Option::as_ref);
+        report.is_some_and(|report| !report.stopped || !report.at_home)
+    };
+    let stations: Vec<StationId> = situation.left_out.iter().copied().filter(is_away).collect();
+    let settled = situation.unsettled.iter().map(|activity| RecoveryStep {
+        action: RecoveryAction::First(Need::Settled { activity: activity.clone(), stations: stations.clone() }),
+        moves: Vec::new(),
+        is_doubtful: false,
+        mode: situation.mode,
+        after: None,
+    });
+    found.steps.splice(0..0, settled);
+    if !situation.unsettled.is_empty() && found.end == RecoveryEnd::Auto {
+        found.end = RecoveryEnd::LookAgain;
+    }
+    found
+}
+
+fn planned_now(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     if let Some(station) = situation.misfit {
         return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Misfit(RestoreMisfit(station)));
     }

@@ -53,6 +53,11 @@ impl Need {
             }
             Need::Halt => "wait until the others have ended their tasks, and the mode is stand-by".to_owned(),
             Need::Acknowledged => "wait until every station has acknowledged the mode".to_owned(),
+            Need::Settled { activity, stations } => {
+                let names: Vec<&str> = stations.iter().map(|id| line.station(*id).name.as_str()).collect();
+                let at = if names.is_empty() { String::new() } else { format!(" (left out: {})", names.join(" and ")) };
+                format!("wait: {activity}{at}")
+            }
             Need::Answer(alarm) => {
                 let meaning = |at: usize| alarm.meanings.get(at).filter(|text| !text.is_empty());
                 let answer = |(at, word): (usize, &String)| match meaning(at) {
@@ -363,6 +368,9 @@ impl RecoveryPlan {
                     .to_owned(),
             ],
             RecoveryEnd::Auto => Vec::new(),
+            RecoveryEnd::LookAgain if self.is_unsettled() => {
+                vec!["not finished: what follows shows with the alarm of what has failed".to_owned()]
+            }
             RecoveryEnd::LookAgain => vec!["what follows shows when every station is heard".to_owned()],
             RecoveryEnd::Misfit(misfit) => {
                 let name = &line.station(misfit.0).name;

@@ -173,3 +173,20 @@ fn from_auto_the_start_is_listed_that_leads_from_home_to_hand() {
     assert_eq!(commands, way, "{texts:#?}");
     assert!(place_of(&found.steps, |of| matches!(of, RecoveryAction::Hold { .. })).is_some(), "{texts:#?}");
 }
+
+/// In the seconds before its alarm a failed activity is not over, whatever the mode is.
+#[test]
+fn what_has_failed_and_has_no_alarm_yet_is_waited_for() {
+    for mode in [ControlMode::Auto, ControlMode::StandBy] {
+        let (line, mut seen) = two_are_left_out(mode);
+        seen.alarms.clear();
+        assert!(plan(&line, &seen).leads_to_auto());
+        seen.unsettled = vec!["`load M1` failed, waits for its stations to come to rest".to_owned()];
+        let found = plan(&line, &seen);
+        let names: Vec<&str> = seen.left_out.iter().map(|id| line.station(*id).name.as_str()).collect();
+        let text = format!("wait: {} (left out: {})", seen.unsettled[0], names.join(" and "));
+        assert_eq!(found.steps[0].text(&line), text);
+        assert_eq!((found.end.clone(), found.leads_to_auto()), (RecoveryEnd::LookAgain, false));
+        assert_eq!(found.end_text(&line), ["not finished: what follows shows with the alarm of what has failed"]);
+    }
+}
