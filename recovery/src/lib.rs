@@ -23,6 +23,7 @@ mod bring;
 mod desk;
 mod distance;
 mod ends;
+mod first;
 mod image;
 mod order;
 mod plan;
