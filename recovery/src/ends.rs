@@ -52,8 +52,17 @@ pub struct LedActivity {
     pub decided: Option<DecidedEnd>,
     /// Every way was tried that keeps ends more strictly than this list does.
     pub is_certain: bool,
-    /// What a station has waited for is undone after what has waited for it.
-    pub is_ordered: bool,
+    pub order: LedOrder,
+}
+
+/// Whether what a station has waited for is undone after what has waited for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LedOrder {
+    Kept,
+    /// No way was found that keeps it.
+    GivenUp,
+    /// The description does not tell it.
+    Unknown,
 }
 
 /// A station in a task that was stopped half-way.
@@ -79,7 +88,8 @@ struct ActivityUnderWay {
     alarm: u64,
     decided: Option<DecidedEnd>,
     tasks: Vec<TaskUnderWay>,
-    pairs: Vec<OrderedPair>,
+    /// None where the order is not known.
+    pairs: Option<Vec<OrderedPair>>,
 }
 
 /// The activities of which stations are led.
@@ -122,7 +132,7 @@ impl CommonEnds {
     /// What is kept, from the strictest on: where no way keeps all ends, one activity gives way, and only then
     /// all do. One that cannot be led to its end turns no other round. The order is given up after that.
     pub fn kept(&self) -> Vec<KeptWay> {
-        let is_any_ordered = self.activities.iter().any(|of| !of.pairs.is_empty());
+        let is_any_ordered = self.activities.iter().any(|of| of.pairs().next().is_some());
         let orders = [true, false].into_iter().take(1 + usize::from(is_any_ordered));
         orders
             .flat_map(|is_ordered| self.kept_ends().into_iter().map(move |ends| KeptWay { ends, is_ordered }))
@@ -156,19 +166,27 @@ impl CommonEnds {
             end: common_end(last, &of.tasks),
             decided: of.decided.clone(),
             is_certain,
-            is_ordered: kept.is_ordered || of.pairs.is_empty(),
+            order: match of.pairs {
+                None => LedOrder::Unknown,
+                Some(_) if kept.is_ordered || of.pairs().next().is_none() => LedOrder::Kept,
+                Some(_) => LedOrder::GivenUp,
+            },
         };
         self.activities.iter().map(led).collect()
     }
 }
 
 impl ActivityUnderWay {
+    fn pairs(&self) -> impl Iterator<Item = &OrderedPair> {
+        self.pairs.iter().flatten()
+    }
+
     fn is_in_order(&self, line: &Line, before: &PlayedStations, after: &PlayedStations) -> bool {
         let progress = |units: &PlayedStations, (station, op): (StationId, OpId)| {
             let task = self.tasks.iter().find(|task| task.station == station)?;
             Some(task.progress(line, &units[station.index()], op))
         };
-        self.pairs.iter().all(|pair| {
+        self.pairs().all(|pair| {
             let now = |of| progress(before, of).zip(progress(after, of));
             let (Some((first, first_then)), Some((then, then_next))) = (now(pair.first), now(pair.then)) else {
                 return true;

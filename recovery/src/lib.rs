@@ -34,7 +34,7 @@ mod step;
 mod texts;
 mod units;
 
-pub use ends::{EndsReached, LedActivity};
+pub use ends::{EndsReached, LedActivity, LedOrder};
 pub use plan::{RecoveryEnd, RecoveryPlan, plan};
 pub use restore::RestoreMisfit;
 pub use search::{TRIED_FOR_ANY_MAX, TRIED_MAX};

@@ -3,11 +3,12 @@
 //! A robot lets go when the clamp has closed. So the clamp is not opened before the hand has closed again, in whichever order the
 //! buttons would take less time. Which operation waits for which of another station follows from the inputs that it waits for, and
 //! from what these see: the tasks are played once by the chart, and what has moved an axis last to where an input sees it has to be done
-//! first. Two stations of which no input of the one sees the other keep the order of the chart by time.
+//! first. Two stations of which no input of the one sees the other keep the order of the chart by time. Where one of them waits for an input
+//! of which the description does not say what it sees, that order would be a guess: then there is none.
 
 use std::time::Duration;
 
-use linewright_line::{AxisId, Grip, Line, OpId, Sign, Stand, StationId, TaskId};
+use linewright_line::{AxisId, Grip, InputId, Line, OpId, Sign, Stand, StationId, TaskId};
 
 /// An operation of a station.
 type OpOf = (StationId, OpId);
@@ -19,11 +20,18 @@ pub(crate) struct OrderedPair {
     pub then: OpOf,
 }
 
-/// All pairs of tasks that stations do at the same time.
-pub(crate) fn pairs(line: &Line, tasks: &[(StationId, TaskId)]) -> Vec<OrderedPair> {
+/// All pairs of tasks that stations do at the same time; none where the description does not tell the order.
+pub(crate) fn pairs(line: &Line, tasks: &[(StationId, TaskId)]) -> Option<Vec<OrderedPair>> {
     let mut chart = Chart::new(line, tasks);
     while chart.step() {}
     let Chart { done, mut pairs, .. } = chart;
+    let is_seen = |station: StationId, input: InputId| {
+        line.handling.sensors.iter().any(|sensor| (sensor.station, sensor.input) == (station, input))
+    };
+    let waits_unseen = |of: &ChartedOp| line.operation(of.op).waits.iter().any(|&input| !is_seen(of.op.0, input));
+    if pairs.is_empty() && tasks.len() > 1 && done.iter().any(waits_unseen) {
+        return None;
+    }
     let is_of = |pair: &OrderedPair, a: StationId, b: StationId| {
         let both = (pair.first.0, pair.then.0);
         both == (a, b) || both == (b, a)
@@ -36,7 +44,7 @@ pub(crate) fn pairs(line: &Line, tasks: &[(StationId, TaskId)]) -> Vec<OrderedPa
             }
         }
     }
-    pairs
+    Some(pairs)
 }
 
 /// An operation as it was played.

@@ -7,7 +7,7 @@ use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{AxisId, Line, OpId, Owner, Station, StationId};
 use linewright_station_logic::RejoinAt;
 
-use crate::ends::LedActivity;
+use crate::ends::{LedActivity, LedOrder};
 use crate::image;
 use crate::plan::{RecoveryEnd, RecoveryPlan};
 use crate::situation::ActivityEnd;
@@ -332,9 +332,14 @@ impl LedActivity {
     pub fn text(&self, line: &Line) -> String {
         let names: Vec<&str> = self.stations.iter().map(|id| line.station(*id).name.as_str()).collect();
         let names = names.join(" and ");
-        let unordered = match self.is_ordered {
-            true => "",
-            false => ". No presses keep the order of their operations: before each see that one of them holds the part",
+        let unordered = match self.order {
+            LedOrder::Kept => "",
+            LedOrder::GivenUp => {
+                ". No presses keep the order of their operations: before each see that one of them holds the part"
+            }
+            LedOrder::Unknown => {
+                ". The description does not tell the order of their operations: before each press see that one of them holds the part"
+            }
         };
         let (are, their) = if self.stations.len() > 1 { ("are", "their tasks") } else { ("is", "its task") };
         let Some(end) = self.end else {

@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{AxisId, Grip, HolderId, Line, Sign, Stand, StationId, TaskId, Tick};
-use linewright_recovery::{ActivityEnd, DecidedEnd, LineSituation, RecoveryPlan, RecoveryStep, StandingAlarm, plan};
+use linewright_recovery::{
+    ActivityEnd, DecidedEnd, LedOrder, LineSituation, RecoveryPlan, RecoveryStep, StandingAlarm, plan,
+};
 use linewright_station_logic::{
     Controller, NO_DELAY, Restore, StationInput, StationOutbox, StationReport, StationSnapshot,
 };
@@ -270,7 +272,7 @@ fn a_part_is_held_along_every_list() {
                 assert_eq!(what, None, "{orders:?} {moment:?} {end:?}: {texts:#?}");
                 let decided = seen.alarms[0].end.as_ref().map(|of| of.end);
                 assert!(decided.is_none() || found.led[0].end == decided, "{orders:?} {moment:?} {end:?}: {texts:#?}");
-                assert!(found.led[0].is_ordered, "{orders:?} {moment:?} {end:?}: {texts:#?}");
+                assert_eq!(found.led[0].order, LedOrder::Kept, "{orders:?} {moment:?} {end:?}: {texts:#?}");
                 both += usize::from(seen.alarms[0].lead.len() == 2);
                 match found.led[0].end {
                     Some(ActivityEnd::Done) => ends[0] += 1,
@@ -281,4 +283,28 @@ fn a_part_is_held_along_every_list() {
         }
     }
     assert!(both > 50 && ends[0] > 20 && ends[1] > 50, "{both} {ends:?}");
+}
+
+/// Without inputs that are waited for the stations do their tasks by time, and go back so.
+#[test]
+fn where_no_station_waits_the_order_is_that_of_the_chart_by_time() {
+    let [(_, mut line), _] = shipped();
+    line.handling.sensors.clear();
+    let (orders, moment) = (TRANSFERS[0].1, [(2, true), (1, true)]);
+    let list = |line: &Line| {
+        let transfer = Transfer::of(line, orders);
+        let seen = transfer.situation(moment, Some(ActivityEnd::TakenBack)).expect("both are led");
+        let found = plan(line, &seen);
+        (found.led[0].clone(), found.steps.iter().map(|step| step.text(line)).collect::<Vec<_>>())
+    };
+    let (led, texts) = list(&line);
+    assert_eq!(led.order, LedOrder::Unknown, "what they wait for is not described: {texts:#?}");
+    assert!(led.text(&line).contains("does not tell the order"), "{}", led.text(&line));
+    let operations = line.stations.iter_mut().flat_map(|station| &mut station.operations);
+    operations.for_each(|operation| operation.waits.clear());
+    let (led, texts) = list(&line);
+    let at = |name: &str| texts.iter().position(|text| text.contains(&format!("`{name}` is undone")));
+    assert_eq!((led.order, led.end), (LedOrder::Kept, Some(ActivityEnd::TakenBack)), "{texts:#?}");
+    assert!(at("carry to m1").is_some() && at("carry to m1") < at("prepare tools"), "{texts:#?}");
+    assert!(at("clamp-close").is_some() && at("clamp-close") < at("fetch for m1"), "{texts:#?}");
 }

@@ -1,7 +1,7 @@
 //! The verdict on an answer before it is given, beside what becomes of it when it is.
 
 use linewright_coordinator_cell::exception::ExceptionStep;
-use linewright_coordinator_cell::{AnswerVerdict, PartId, TaskReport, texts};
+use linewright_coordinator_cell::{AnswerVerdict, PartId, TaskReport};
 use linewright_line::StationId;
 
 use super::bench::{CellBench, workcell_line};
@@ -68,15 +68,18 @@ fn the_verdict_is_what_becomes_of_the_answer() {
 fn each_answer_says_whether_it_fits_the_sensors() {
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);
     bench.load_fails();
-    let said = |bench: &CellBench| -> Vec<String> {
+    let texts = |bench: &CellBench| -> Vec<String> {
         let (line, alarm) = (workcell_line(|line| line), bench.alarm());
-        let all = alarm.words.iter().zip(texts::alarm::meanings(&bench.sim.coordination, alarm));
-        all.map(|(word, meaning)| texts::judged(&line, bench.state(), alarm.id, meaning, &bench.verdict(word)))
-            .collect()
+        let all =
+            alarm.words.iter().zip(linewright_coordinator_cell::texts::alarm::meanings(&bench.sim.coordination, alarm));
+        all.map(|(word, meaning)| {
+            linewright_coordinator_cell::texts::judged(&line, bench.state(), alarm.id, meaning, &bench.verdict(word))
+        })
+        .collect()
     };
     bench.hear();
     assert_eq!(
-        said(&bench),
+        texts(&bench),
         [
             "once more, part at ST; fits the sensors",
             "done, part at M1; contradicts the sensors: M1: part expected, sensor off",
@@ -86,5 +89,5 @@ fn each_answer_says_whether_it_fits_the_sensors() {
     let robot = bench.resource("R");
     bench.sim.truth.put(PART, Some(robot));
     bench.hear();
-    assert_eq!(said(&bench)[1], "done, part at M1; refused now: R: sensor on, but the answer states no part there");
+    assert_eq!(texts(&bench)[1], "done, part at M1; refused now: R: sensor on, but the answer states no part there");
 }

@@ -65,8 +65,8 @@ pub fn describe(
         }
     };
     let mut alarms: Vec<AlarmState> = state.exceptions().alarms().take(LISTED_MAX).map(alarm).collect();
-    for (at, (told, of)) in alarms.iter_mut().zip(state.exceptions().alarms()).enumerate() {
-        told.meanings = meanings(line, coordination, reports, now, (of, at < REHEARSED_MAX));
+    for (at, (listed, of)) in alarms.iter_mut().zip(state.exceptions().alarms()).enumerate() {
+        listed.meanings = meanings(line, coordination, reports, now, (of, at < REHEARSED_MAX));
     }
     message.alarms = listed(alarms.into_iter());
     let name = |id| table.handling().resource(id).map(|resource| resource.name.to_string()).unwrap_or_default();
