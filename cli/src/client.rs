@@ -65,14 +65,33 @@ impl<T> HeardNode<T> {
     }
 }
 
+/// Stations whose nodes run another description: the number of operations there, and the time of arrival of the state that has it.
+#[derive(Debug, Default)]
+struct OtherDescriptions(BTreeMap<StationId, (usize, Instant)>);
+
+impl OtherDescriptions {
+    /// A state has come, with this other number of operations; none where it fits.
+    fn hear(&mut self, id: StationId, runs: Option<usize>, at: Instant) {
+        match runs {
+            Some(runs) => _ = self.0.insert(id, (runs, at)),
+            None => _ = self.0.remove(&id),
+        }
+    }
+
+    /// Those of which a state has come lately.
+    fn fresh(&self, now: Instant, shown_for: Duration) -> impl Iterator<Item = (StationId, usize)> + '_ {
+        let fresh = self.0.iter().filter(move |(_, (_, at))| now.saturating_duration_since(*at) < shown_for);
+        fresh.map(|(&id, &(runs, _))| (id, runs))
+    }
+}
+
 /// An operator's connection to a line.
 pub struct OperatorClient {
     line: Line,
     from: mpsc::Receiver<RawState>,
     coordinator: HeardNode<LineState>,
     stations: Vec<HeardNode<StationState>>,
-    /// Number of operations of a station whose node runs another description.
-    others: BTreeMap<StationId, usize>,
+    others: OtherDescriptions,
     clock: Clock,
     commands: Publisher<Text>,
     buttons: Publisher<Text>,
@@ -123,7 +142,7 @@ impl OperatorClient {
             from,
             coordinator: HeardNode::new(line),
             stations: vec![HeardNode::new(line); line.stations.len()],
-            others: BTreeMap::new(),
+            others: OtherDescriptions::default(),
             clock: Clock::start(),
             commands: node.publisher("mode_cmd", qos::command()).map_err(failed)?,
             buttons: node.publisher("buttons", qos::command()).map_err(failed)?,
@@ -165,20 +184,24 @@ impl OperatorClient {
         self.stations[id.index()].unheard_for(shown_for(&self.line))
     }
 
+    fn fresh_others(&self) -> impl Iterator<Item = (StationId, usize)> + '_ {
+        self.others.fresh(Instant::now(), shown_for(&self.line))
+    }
+
     /// A station whose node runs with another description than this one.
     pub fn other_description(&self) -> Option<StationId> {
-        self.others.keys().next().copied()
+        self.fresh_others().map(|(id, _)| id).next()
     }
 
     /// For each station whose node runs with another number of operations than the description here: a text with both numbers.
     pub fn other_descriptions(&self) -> Vec<String> {
-        let text = |(id, runs): (&StationId, &usize)| {
-            let station = self.line.station(*id);
+        let text = |(id, runs): (StationId, usize)| {
+            let station = self.line.station(id);
             let here = station.operations.len();
             let name = &station.name;
             format!("{name} runs with another description: {runs} operations there, {here} in this one")
         };
-        self.others.iter().map(text).collect()
+        self.fresh_others().map(text).collect()
     }
 
     /// The stations of which nothing fresh is heard.
@@ -212,10 +235,7 @@ impl OperatorClient {
             RawState::Station(state) => {
                 let id = self.line.station_named(&state.station)?;
                 let fits = state.done.len() == self.line.station(id).operations.len();
-                match fits {
-                    true => _ = self.others.remove(&id),
-                    false => _ = self.others.insert(id, state.done.len()),
-                }
+                self.others.hear(id, (!fits).then_some(state.done.len()), Instant::now());
                 let heard = &mut self.stations[id.index()];
                 let is_newer = fits && heard.offer(now, state.boot_id, state.sequence, *state);
                 is_newer.then_some(StateUpdate::Station(id))
@@ -307,5 +327,25 @@ impl OperatorClient {
     /// Error: no coordinator of this line is heard.
     pub fn not_found(&self) -> miette::Report {
         not_heard(&format!("line '{}'", self.line.name), self.domain_id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_with_another_description_counts_while_it_is_heard() {
+        let (start, term) = (Instant::now(), Duration::from_secs(1));
+        let mut others = OtherDescriptions::default();
+        let at =
+            |others: &OtherDescriptions, ms| others.fresh(start + Duration::from_millis(ms), term).collect::<Vec<_>>();
+        others.hear(StationId(0), Some(7), start);
+        others.hear(StationId(1), Some(8), start);
+        assert_eq!(at(&others, 900), [(StationId(0), 7), (StationId(1), 8)]);
+        others.hear(StationId(1), Some(8), start + Duration::from_millis(800));
+        assert_eq!(at(&others, 1000), [(StationId(1), 8)]);
+        others.hear(StationId(1), None, start + Duration::from_millis(1100));
+        assert!(at(&others, 1100).is_empty());
     }
 }

@@ -12,9 +12,12 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args as ClapArgs;
+use linewright_coordinator_cell::AlarmId;
+use linewright_coordinator_cell::exception::ExceptionStage;
+use linewright_coordinator_cell::texts::recovery;
 use linewright_coordinator_logic::ModeStanding;
 use linewright_line::{Line, StationId};
-use linewright_msgs::{AlarmState, CellState, LineState, StationState};
+use linewright_msgs::{ActivityState, AlarmState, CellState, LineState, StationState};
 use linewright_node_line::{mode_from_code, report_from_message};
 use linewright_node_shell::RosArgs;
 use linewright_recovery::{
@@ -173,7 +176,9 @@ fn situation_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<L
     let stations = line.station_ids().map(report).collect();
     let mut situation = LineSituation::read(line, mode, state.enabled, standing(line, state), stations);
     situation.misfit = client.other_description();
-    situation.alarms = cell.and_then(CellClient::heard_lately).map(|cell| alarms(line, cell)).unwrap_or_default();
+    if let Some(cell) = cell.and_then(CellClient::heard_lately) {
+        (situation.alarms, situation.unsettled) = (alarms(line, cell), unsettled(cell));
+    }
     Some(situation)
 }
 
@@ -207,6 +212,16 @@ fn alarms(line: &Line, cell: &CellState) -> Vec<StandingAlarm> {
         bring: line.station_named(&alarm.bring).and_then(|id| Some((id, line.station(id).rest_named(&alarm.to_rest)?))),
     };
     cell.alarms.as_slice().iter().map(alarm).collect()
+}
+
+/// Failed activities that no alarm asks about: their stations are still on the way to rest, or sensors are compared with an answer.
+fn unsettled(cell: &CellState) -> Vec<String> {
+    let is_asked = |of: &ActivityState| {
+        let waits = |alarm: &AlarmState| recovery(Some(&ExceptionStage::Waiting(AlarmId(alarm.id))));
+        cell.alarms.as_slice().iter().any(|alarm| of.text.ends_with(&waits(alarm)))
+    };
+    let failed = cell.activities.as_slice().iter().filter(|of| !of.running && !is_asked(of));
+    failed.map(|of| format!("`{}` of part {} {}", of.name, of.part, of.text)).collect()
 }
 
 /// A code that is not known is no decision.
@@ -332,6 +347,7 @@ mod tests {
     use linewright_coordinator_logic::ModeCommand;
     use linewright_line::TransferLine;
     use linewright_line::net::ControlMode;
+    use linewright_msgs::Bounded;
 
     use super::*;
 
@@ -368,6 +384,31 @@ mod tests {
         };
         let answer = step(RecoveryAction::First(Need::Answer(alarm)));
         assert_eq!(typed(&line(), "l", &answer), ["linewright answer l 3 as-done", "linewright answer l 3 as-before"]);
+    }
+
+    #[test]
+    fn a_failed_activity_without_an_alarm_is_unsettled() {
+        let activity = |id: u64, running, stage: Option<ExceptionStage>| ActivityState {
+            id,
+            name: "load M1".to_owned(),
+            part: 7,
+            running,
+            text: format!("failed, waits for {}", recovery(stage.as_ref())),
+            ..ActivityState::default()
+        };
+        let waiting = |alarm| activity(1, false, Some(ExceptionStage::Waiting(AlarmId(alarm))));
+        let cell = |activities, alarms: &[u64]| CellState {
+            activities: Bounded::new(activities).expect("few"),
+            alarms: Bounded::new(alarms.iter().map(|&id| AlarmState { id, ..AlarmState::default() }).collect())
+                .expect("few"),
+            ..CellState::default()
+        };
+        let securing = || activity(2, false, Some(ExceptionStage::Securing));
+        let text = "`load M1` of part 7 failed, waits for its stations to come to rest";
+        assert_eq!(unsettled(&cell(vec![securing()], &[])), [text]);
+        assert_eq!(unsettled(&cell(vec![waiting(31), securing()], &[3, 31])), [text]);
+        assert_eq!(unsettled(&cell(vec![waiting(31)], &[1])).len(), 1);
+        assert!(unsettled(&cell(vec![waiting(31), activity(2, true, None)], &[31])).is_empty());
     }
 
     #[test]

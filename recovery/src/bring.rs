@@ -4,9 +4,10 @@
 //! where a task waits for an input that is off. A button that moves another station is none: how far that one goes depends on how long a
 //! person holds it.
 
+use linewright_coordinator_cell::compile::rests;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
-use linewright_line::{ButtonId, Line, RestId, StationId};
+use linewright_line::{ButtonId, RestId, StationId};
 use linewright_station_logic::{ModeOrder, StationInput};
 
 use crate::desk::Desk;
@@ -34,21 +35,19 @@ pub(crate) struct WayInHand {
     pub to_auto: Vec<(ModeCommand, Desk)>,
 }
 
-/// Every station that an alarm asks for is brought to its rest; none where that does not go by buttons.
-pub(crate) fn in_hand(line: &Line, situation: &LineSituation, mut units: PlayedStations) -> Option<WayInHand> {
-    let floor = PlayedLine::new(line, &units);
-    floor.meet(&mut units);
-    let desk = Desk::new(&floor, situation, units);
-    let to_hand = desk.way_to(&floor, ControlMode::Hand)?;
+/// Every station that an alarm asks for is brought to its rest; none where that does not go by buttons, or nothing is asked for.
+pub(crate) fn in_hand(floor: &PlayedLine<'_>, situation: &LineSituation, desk: Desk) -> Option<WayInHand> {
+    let asked: Vec<(StationId, RestId)> = situation.alarms.iter().filter_map(|alarm| alarm.bring).collect();
+    let to_hand = desk.way_to(floor, ControlMode::Hand).filter(|_| !asked.is_empty())?;
     let mut desk = to_hand.last().map_or(desk, |(_, desk)| desk.clone());
     let mut held: Vec<HeldButton> = Vec::new();
-    for (station, rest) in situation.alarms.iter().filter_map(|alarm| alarm.bring) {
-        let brought = best_button(&floor, &desk.units, station, rest)?;
+    for (station, rest) in asked {
+        let brought = best_button(floor, &desk.units, station, rest)?;
         desk.units.clone_from(&brought.after);
         held.push(brought);
     }
-    desk.settle(&floor);
-    let to_auto = desk.way_to(&floor, ControlMode::Auto)?;
+    desk.settle(floor);
+    let to_auto = desk.way_to(floor, ControlMode::Auto)?;
     Some(WayInHand { to_hand, held, to_auto })
 }
 
@@ -65,7 +64,13 @@ fn best_button(
         let moves_others = motions.iter().any(|(id, _)| *id != station);
         (at == Some(rest) && !moves_others).then_some(HeldButton { station, rest, button, motions, after })
     });
-    all.min_by_key(|held| held.motions.len())
+    let all: Vec<HeldButton> = all.collect();
+    let stands = before[station.index()].report.order.as_ref().and_then(|order| order.rest);
+    // The one that the alarm names goes before others, also shorter ones.
+    let ways = Some(&all).filter(|all| all.len() > 1).map(|_| rests(floor.line, station));
+    let named = ways.as_ref().zip(stands).and_then(|(ways, stands)| ways.button(stands, rest));
+    let is_named = |button: ButtonId| named == Some(floor.line.buttons[button.index()].as_str());
+    all.into_iter().min_by_key(|held| (!is_named(held.button), held.motions.len()))
 }
 
 /// Holds a button until nothing moves by it any more. None where that does not end.

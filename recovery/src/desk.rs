@@ -1,7 +1,7 @@
 //! The mode decision as it is played: the real coordinator beside the stations, its orders and their reports exchanged at once.
 
 use linewright_coordinator_logic::{Coordinator, ModeCommand, ModeInput, ModeOutbox, StationView};
-use linewright_coordinator_shell::heard;
+use linewright_coordinator_shell::{heard, orders};
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, Owner, StationId};
 use linewright_station_logic::{ModeOrder, StationInput};
@@ -110,6 +110,12 @@ impl Desk {
     pub fn settle(&mut self, floor: &PlayedLine<'_>) {
         let mut out = ModeOutbox::default();
         for _ in 0..ROUNDS_MAX {
+            let units = &self.units;
+            let is_held = |id: StationId| {
+                let order = units[id.index()].report.order.as_ref();
+                order.is_some_and(|order| orders::heard(order).is_held)
+            };
+            self.coordinator.hold(is_held);
             for (at, unit) in self.units.iter().enumerate() {
                 self.coordinator.handle(NOW, ModeInput::Station(StationId::at(at), heard(&unit.report)));
             }

@@ -1,7 +1,7 @@
 //! A lower bound: how many presses a station needs by itself, whatever the others do.
 //!
-//! Its own controller is played, without arrows and without measured positions: each of them only blocks. So no way in the line
-//! is shorter, and where nothing blocks it is as short.
+//! Its own controller is played, without arrows and without measured positions, and with all inputs on that see other stations: each
+//! of them only blocks. So no way in the line is shorter, and where nothing blocks it is as short.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use linewright_line::{Line, StationId};
 use linewright_station_logic::{Controller, PanelCommand, Restore, Rules, StationInput};
 use rustc_hash::FxHashMap;
 
-use crate::image;
+use crate::image::{self, SeenAxes};
 use crate::units::{PlayedStation, in_manual, whole_image};
 
 const ALONE: Rules = Rules { arrows: false, positions: false, timely: false, generations: false, ..Rules::ALL };
@@ -40,6 +40,8 @@ struct KnownDistances {
 /// The distances of the stations that were asked for.
 pub(crate) struct Distances<'l> {
     line: &'l Line,
+    /// By station: inputs that see other stations.
+    seen: Vec<u128>,
     known: RefCell<BTreeMap<usize, KnownDistances>>,
 }
 
@@ -48,7 +50,9 @@ const PLACES_MAX: usize = 4096;
 
 impl<'l> Distances<'l> {
     pub fn new(line: &'l Line) -> Self {
-        Distances { line, known: RefCell::default() }
+        let mut seen = vec![0; line.stations.len()];
+        SeenAxes::of_line(line).into_iter().for_each(|of| seen[of.reader.index()] |= of.input);
+        Distances { line, seen, known: RefCell::default() }
     }
 
     /// The least cost; nothing where the station can get where it is in a way that is not looked at here.
@@ -107,7 +111,7 @@ impl<'l> Distances<'l> {
         };
         let mut unit = PlayedStation::new(controller.with_rules(ALONE));
         let switch = self.line.operation((id, self.line.station(id).home)).normal.complete.bit();
-        unit.take(whole_image(bits.unwrap_or_else(|| home() | switch)));
+        unit.take(whole_image(bits.unwrap_or_else(|| home() | switch) | self.seen[id.index()]));
         let epoch = unit.report.mode_epoch + 1;
         unit.take(StationInput::Order(in_manual(epoch)));
         unit

@@ -4,14 +4,19 @@
 //! and the other take its part back: no answer is true then. So the ends of all are one goal of the search. A station that has
 //! completed its order, or one that stands where its order began, decides for the others. Where that end cannot be reached the other one is
 //! taken, and where neither can, the stations end differently, which the plan reports ([`LedActivity`]).
+//!
+//! On the way there each operation that another station has waited for stays done as long as what waited for it is not undone
+//! ([`order`]), and none is led on before what it waited for is done: so one of the two stations holds the part all the time. Where no way
+//! keeps that, it is given up last, and the plan reports it.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use linewright_line::net::StationPlace;
-use linewright_line::{Line, OpId, StationId};
+use linewright_line::net::{Block, MotionStage, StationPlace};
+use linewright_line::{Line, OpId, StationId, TaskId};
 use linewright_station_logic::StationReport;
 
+use crate::order::{self, OrderedPair};
 use crate::situation::{ActivityEnd, DecidedEnd, LineSituation, StandingAlarm};
 use crate::texts;
 use crate::units::{PlayedStation, PlayedStations};
@@ -27,6 +32,15 @@ pub(crate) enum KeptEnds {
     Any,
 }
 
+/// What a search keeps.
+#[derive(Clone, Debug)]
+pub(crate) struct KeptWay {
+    /// By activity.
+    ends: Vec<KeptEnds>,
+    /// Operations are undone in the reverse of the order in which they are done.
+    is_ordered: bool,
+}
+
 /// Stations of an alarm that are led, and to which end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LedActivity {
@@ -38,54 +52,99 @@ pub struct LedActivity {
     pub decided: Option<DecidedEnd>,
     /// Every way was tried that keeps ends more strictly than this list does.
     pub is_certain: bool,
+    pub order: LedOrder,
+}
+
+/// Whether what a station has waited for is undone after what has waited for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LedOrder {
+    Kept,
+    /// No way was found that keeps it.
+    GivenUp,
+    /// The description does not tell it.
+    Unknown,
 }
 
 /// A station in a task that was stopped half-way.
 #[derive(Clone, Copy, Debug)]
 struct TaskUnderWay {
     station: StationId,
+    task: TaskId,
     /// The operation that ends the task, and how often it was done before.
     last: OpId,
     done: i32,
 }
 
+/// How far an operation of a task is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum OpProgress {
+    NotBegun,
+    Begun,
+    Done,
+}
+
+/// The led stations of one activity.
+struct ActivityUnderWay {
+    alarm: u64,
+    decided: Option<DecidedEnd>,
+    tasks: Vec<TaskUnderWay>,
+    /// None where the order is not known.
+    pairs: Option<Vec<OrderedPair>>,
+}
+
 /// The activities of which stations are led.
 #[derive(Default)]
 pub(crate) struct CommonEnds {
-    activities: Vec<(u64, Option<DecidedEnd>, Vec<TaskUnderWay>)>,
+    activities: Vec<ActivityUnderWay>,
 }
 
 impl CommonEnds {
     pub fn of(line: &Line, situation: &LineSituation, led: &[StationId]) -> Self {
         let report = |id: StationId| situation.stations.get(id.index())?.as_ref();
         let task = |&id: &StationId| under_way(line, id, report(id)?);
-        let led = |alarm: &StandingAlarm| -> Vec<TaskUnderWay> {
-            alarm.lead.iter().filter(|id| led.contains(id)).filter_map(task).collect()
+        let of = |alarm: &StandingAlarm| {
+            let tasks: Vec<TaskUnderWay> = alarm.lead.iter().filter(|id| led.contains(id)).filter_map(task).collect();
+            let named: Vec<(StationId, TaskId)> = tasks.iter().map(|of| (of.station, of.task)).collect();
+            let pairs = order::pairs(line, &named);
+            ActivityUnderWay { alarm: alarm.id, decided: alarm.end.clone(), tasks, pairs }
         };
-        let all = situation.alarms.iter().map(|alarm| (alarm.id, alarm.end.clone(), led(alarm)));
-        CommonEnds { activities: all.filter(|(.., tasks)| !tasks.is_empty()).collect() }
+        CommonEnds { activities: situation.alarms.iter().map(of).filter(|of| !of.tasks.is_empty()).collect() }
     }
 
     /// Whether the stations, which stand at rests, stand at ends that belong together, as each activity keeps them.
-    pub fn agree(&self, units: &PlayedStations, kept: &[KeptEnds]) -> bool {
-        self.activities.iter().zip(kept).all(|((_, decided, tasks), kept)| {
-            let common = common_end(units, tasks);
+    pub fn agree(&self, units: &PlayedStations, kept: &KeptWay) -> bool {
+        self.activities.iter().zip(&kept.ends).all(|(of, kept)| {
+            let common = common_end(units, &of.tasks);
             match kept {
-                KeptEnds::Decided => common.is_some_and(|end| decided.as_ref().is_none_or(|of| of.end == end)),
+                KeptEnds::Decided => common.is_some_and(|end| of.decided.as_ref().is_none_or(|is| is.end == end)),
                 KeptEnds::Common => common.is_some(),
                 KeptEnds::Any => true,
             }
         })
     }
 
-    /// How ends are kept, for each activity, from the strictest on: where no way keeps them all, one activity gives way, and only then
-    /// all do. One that cannot be led to its end turns no other round.
-    pub fn kept(&self) -> Vec<Vec<KeptEnds>> {
+    /// Whether a move keeps the order: nothing is led on before what it waits for is done, and nothing is undone before all is
+    /// that has waited for it.
+    pub fn permit(&self, line: &Line, before: &PlayedStations, after: &PlayedStations, kept: &KeptWay) -> bool {
+        !kept.is_ordered || self.activities.iter().all(|of| of.is_in_order(line, before, after))
+    }
+
+    /// What is kept, from the strictest on: where no way keeps all ends, one activity gives way, and only then
+    /// all do. One that cannot be led to its end turns no other round. The order is given up after that.
+    pub fn kept(&self) -> Vec<KeptWay> {
+        let is_any_ordered = self.activities.iter().any(|of| of.pairs().next().is_some());
+        let orders = [true, false].into_iter().take(1 + usize::from(is_any_ordered));
+        orders
+            .flat_map(|is_ordered| self.kept_ends().into_iter().map(move |ends| KeptWay { ends, is_ordered }))
+            .collect()
+    }
+
+    fn kept_ends(&self) -> Vec<Vec<KeptEnds>> {
         let strict = vec![KeptEnds::Decided; self.activities.len()];
         let mut all = vec![strict.clone()];
         for looser in [KeptEnds::Common, KeptEnds::Any] {
-            for (at, (_, decided, tasks)) in self.activities.iter().enumerate() {
-                let is_looser = if looser == KeptEnds::Common { decided.is_some() } else { tasks.len() > 1 };
+            for (at, of) in self.activities.iter().enumerate() {
+                let is_looser = if looser == KeptEnds::Common { of.decided.is_some() } else { of.tasks.len() > 1 };
                 if is_looser {
                     let mut kept = strict.clone();
                     kept[at] = looser;
@@ -100,15 +159,42 @@ impl CommonEnds {
     }
 
     /// Where the stations stand at last.
-    pub fn led(&self, last: &PlayedStations, is_certain: bool) -> Vec<LedActivity> {
-        let led = |(alarm, decided, tasks): &(u64, Option<DecidedEnd>, Vec<TaskUnderWay>)| LedActivity {
-            alarm: *alarm,
-            stations: tasks.iter().map(|task| task.station).collect(),
-            end: common_end(last, tasks),
-            decided: decided.clone(),
+    pub fn led(&self, last: &PlayedStations, kept: &KeptWay, is_certain: bool) -> Vec<LedActivity> {
+        let led = |of: &ActivityUnderWay| LedActivity {
+            alarm: of.alarm,
+            stations: of.tasks.iter().map(|task| task.station).collect(),
+            end: common_end(last, &of.tasks),
+            decided: of.decided.clone(),
             is_certain,
+            order: match of.pairs {
+                None => LedOrder::Unknown,
+                Some(_) if kept.is_ordered || of.pairs().next().is_none() => LedOrder::Kept,
+                Some(_) => LedOrder::GivenUp,
+            },
         };
         self.activities.iter().map(led).collect()
+    }
+}
+
+impl ActivityUnderWay {
+    fn pairs(&self) -> impl Iterator<Item = &OrderedPair> {
+        self.pairs.iter().flatten()
+    }
+
+    fn is_in_order(&self, line: &Line, before: &PlayedStations, after: &PlayedStations) -> bool {
+        let progress = |units: &PlayedStations, (station, op): (StationId, OpId)| {
+            let task = self.tasks.iter().find(|task| task.station == station)?;
+            Some(task.progress(line, &units[station.index()], op))
+        };
+        self.pairs().all(|pair| {
+            let now = |of| progress(before, of).zip(progress(after, of));
+            let (Some((first, first_then)), Some((then, then_next))) = (now(pair.first), now(pair.then)) else {
+                return true;
+            };
+            let is_led_on = then_next > then;
+            let is_undone = first_then < first;
+            (!is_led_on || first == OpProgress::Done) && (!is_undone || then == OpProgress::NotBegun)
+        })
     }
 }
 
@@ -146,6 +232,29 @@ impl TaskUnderWay {
     fn end(&self, report: &StationReport) -> ActivityEnd {
         if report.done[self.last.index()] > self.done { ActivityEnd::Done } else { ActivityEnd::TakenBack }
     }
+
+    /// How far an operation of the task is done. At a rest the marking does not show whether the task has ended or was taken back.
+    fn progress(&self, line: &Line, unit: &PlayedStation, op: OpId) -> OpProgress {
+        let (station, report) = (line.station(self.station), &unit.report);
+        if report.at_home && report.incomplete.is_empty() {
+            return match self.end(report) {
+                ActivityEnd::Done => OpProgress::Done,
+                ActivityEnd::TakenBack => OpProgress::NotBegun,
+            };
+        }
+        let step = station.step_of(op);
+        let marked: Vec<StationPlace> = unit.controller.marking().collect();
+        let own = marked.iter().find(|place| place.op == op);
+        match (own, marked.first().map(|place| station.step_of(place.op))) {
+            (Some(place), _) => match (place.stage, place.block) {
+                (MotionStage::Completed, Block::Normal) => OpProgress::Done,
+                (MotionStage::Completed, Block::Recovery) => OpProgress::NotBegun,
+                (MotionStage::Operating | MotionStage::Incomplete, _) => OpProgress::Begun,
+            },
+            (None, Some(at)) if step < at => OpProgress::Done,
+            (None, _) => OpProgress::NotBegun,
+        }
+    }
 }
 
 /// The task in which a station stands half-way; none at a rest.
@@ -153,10 +262,11 @@ fn under_way(line: &Line, id: StationId, report: &StationReport) -> Option<TaskU
     let station = line.station(id);
     let number = |op: OpId| report.places.get(op.index()).copied().unwrap_or_default();
     let op = station.op_ids().find(|&op| number(op) != 0)?;
-    let last = station.last_of(station.task_of(op)?);
+    let task = station.task_of(op)?;
+    let last = station.last_of(task);
     let is_at_end = StationPlace::from_number(last, number(last)) == Some(StationPlace::completed(last));
     let done = report.done.get(last.index()).copied()?;
-    (!is_at_end).then_some(TaskUnderWay { station: id, last, done })
+    (!is_at_end).then_some(TaskUnderWay { station: id, task, last, done })
 }
 
 fn common_end(units: &[Rc<PlayedStation>], tasks: &[TaskUnderWay]) -> Option<ActivityEnd> {

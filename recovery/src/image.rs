@@ -3,7 +3,10 @@
 use std::time::Duration;
 
 use linewright_line::net::{Block, StationPlace};
-use linewright_line::{Device, Line, MotionSignals, OpId, OperationModule, Owner, Station, StationId};
+use linewright_line::{
+    Device, Grip, Line, MotionSignals, OpId, OperationModule, Owner, Sensor, Sign, Stand, Station, StationId,
+};
+use linewright_station_logic::StationReport;
 
 /// Coordinates nearer than this are one place.
 const SAME_PLACE: f64 = 1e-6;
@@ -99,4 +102,60 @@ pub(crate) fn put_onto(station: &Station, image: u128, switch: u128) -> u128 {
     let ops = station.op_ids().filter(|&op| goes(station, op));
     let same = ops.filter(|&op| ends(station, op).any(|(_, end)| end == switch));
     same.fold(image, |image, op| image & !ends(station, op).fold(0, |bits, (_, end)| bits | end)) | switch
+}
+
+/// The report of a task-driven station when it has ended the task under way, as by its order in auto.
+pub(crate) fn end_task(station: &Station, report: &mut StationReport) {
+    let marked = station.op_ids().find(|op| report.places.get(op.index()).is_some_and(|&number| number != 0));
+    let Some(task) = marked.and_then(|op| station.task_of(op)).filter(|_| !report.at_home) else { return };
+    let last = StationPlace::completed(station.last_of(task));
+    for &op in station.steps[station.task(task).steps.clone()].iter().flatten() {
+        (report.done[op.index()], report.started[op.index()]) = (report.cycle, report.cycle);
+    }
+    report.places.fill(0);
+    report.places[last.op.index()] = last.number();
+    let ops = station.op_ids().filter(|&op| goes(station, op));
+    let switches = ops.fold(0, |bits, op| ends(station, op).fold(bits, |bits, (_, end)| bits | end));
+    let (complete, _) = motion(station, last);
+    report.measured = (report.measured & !switches) | station.rest_inputs(last) | complete.complete.bit();
+    report.incomplete.clear();
+    (report.at_home, report.stopped, report.position_lost) = (true, true, None);
+}
+
+/// An input that is on while axes of other stations stand at their switches, as far as switches show it.
+pub(crate) struct SeenAxes {
+    /// Station of the input.
+    pub reader: StationId,
+    pub input: u128,
+    /// By station: the switches that are on then.
+    when: Vec<(StationId, u128)>,
+}
+
+impl SeenAxes {
+    /// All of a line. A part in a hand is taken to be there while the hand is closed, one in a nest to be there.
+    pub fn of_line(line: &Line) -> Vec<Self> {
+        let switch = |stand: &Stand| match line.station(stand.station).switches_at(stand.axis, stand.at) {
+            0 => None,
+            switch => Some((stand.station, switch)),
+        };
+        let stand = |sign: &Sign| match sign {
+            Sign::Stands(stand) => Some(*stand),
+            Sign::Part(holder) => match line.handling.holder(*holder).grip {
+                Grip::Hand(stand) => Some(stand),
+                Grip::Clamp(_) | Grip::Loose => None,
+            },
+        };
+        let seen = |sensor: &Sensor| {
+            let stands = sensor.when.iter().filter_map(stand);
+            let when: Vec<(StationId, u128)> = stands.map(|stand| switch(&stand)).collect::<Option<_>>()?;
+            let is_seen = when.iter().any(|(station, _)| *station != sensor.station);
+            is_seen.then(|| SeenAxes { reader: sensor.station, input: sensor.input.bit(), when })
+        };
+        line.handling.sensors.iter().filter_map(seen).collect()
+    }
+
+    /// Whether its axes stand so.
+    pub fn is_on(&self, measured: impl Fn(StationId) -> u128) -> bool {
+        self.when.iter().all(|&(station, switch)| measured(station) & switch != 0)
+    }
 }

@@ -14,7 +14,8 @@
 //! it leads on several stations, is one press. Only stations that keep auto
 //! from being accepted are moved at first. Another one is added where a press is refused that reads its state, and where a way
 //! through that could still be shorter. A lower bound for each station (`distance`) is its own way without the others.
-//! The stations of one failed activity of a cell are led to the same end of it (`ends`).
+//! The stations of one failed activity of a cell are led to the same end of it (`ends`), in the order in which they do their
+//! operations or its reverse (`order`).
 //! A station that an alarm asks to be brought to another rest is brought there by a button of hand mode (`bring`).
 //! [`TRIED_MAX`] bounds the search; beyond it any plan is taken, and says that it may not be the shortest.
 
@@ -22,7 +23,9 @@ mod bring;
 mod desk;
 mod distance;
 mod ends;
+mod first;
 mod image;
+mod order;
 mod plan;
 mod restore;
 mod search;
@@ -31,7 +34,7 @@ mod step;
 mod texts;
 mod units;
 
-pub use ends::{EndsReached, LedActivity};
+pub use ends::{EndsReached, LedActivity, LedOrder};
 pub use plan::{RecoveryEnd, RecoveryPlan, plan};
 pub use restore::RestoreMisfit;
 pub use search::{TRIED_FOR_ANY_MAX, TRIED_MAX};

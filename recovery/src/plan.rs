@@ -3,18 +3,19 @@
 use std::rc::Rc;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::net::{Block, ControlMode, StationPlace};
-use linewright_line::{InputId, Line, MotionSignals, OpId, OperationModule, Station, StationId};
+use linewright_line::net::{ControlMode, StationPlace};
+use linewright_line::{InputId, Line, OpId, StationId};
 use linewright_station_logic::StationReport;
 
 use crate::bring;
 use crate::desk::Desk;
 use crate::ends::{CommonEnds, LedActivity};
+use crate::first::{before_all, fault_signals, held, planned};
 use crate::image;
-use crate::restore::{RestoreMisfit, unit};
+use crate::restore::{RestoreMisfit, unit, unplaced};
 use crate::search::{Move, Search};
-use crate::situation::{ConsoleSituation, LineSituation, StandingAlarm};
-use crate::step::{Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
+use crate::situation::{LineSituation, StandingAlarm};
+use crate::step::{Need, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
 use crate::units::{PlayedLine, PlayedStations, in_manual};
 
 /// What a plan leads to.
@@ -54,6 +55,11 @@ impl RecoveryPlan {
         RecoveryPlan { steps, end, is_shortest: true, begins_anew: false, led: Vec::new(), expanded: 0 }
     }
 
+    /// Whether a failed activity of a cell has no alarm that could be answered.
+    pub fn is_unsettled(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step.action, RecoveryAction::First(Need::Settled { .. })))
+    }
+
     /// Whether an alarm of a cell waits for its answer.
     pub fn has_alarms(&self) -> bool {
         self.steps.iter().any(|step| matches!(step.action, RecoveryAction::First(Need::Answer(_))))
@@ -73,8 +79,29 @@ impl RecoveryPlan {
     }
 }
 
-/// The shortest list of actions from a situation to auto.
+/// The shortest list of actions from a situation to auto. As long as a failed activity has no alarm, what follows is not known.
 pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
+    let mut found = planned_now(line, situation);
+    let is_away = |id: &StationId| {
+        let report = situation.stations.get(id.index()).and_then(Option::as_ref);
+        report.is_some_and(|report| !report.stopped || !report.at_home)
+    };
+    let stations: Vec<StationId> = situation.left_out.iter().copied().filter(is_away).collect();
+    let settled = situation.unsettled.iter().map(|activity| RecoveryStep {
+        action: RecoveryAction::First(Need::Settled { activity: activity.clone(), stations: stations.clone() }),
+        moves: Vec::new(),
+        is_doubtful: false,
+        mode: situation.mode,
+        after: None,
+    });
+    found.steps.splice(0..0, settled);
+    if !situation.unsettled.is_empty() && found.end == RecoveryEnd::Auto {
+        found.end = RecoveryEnd::LookAgain;
+    }
+    found
+}
+
+fn planned_now(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     if let Some(station) = situation.misfit {
         return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Misfit(RestoreMisfit(station)));
     }
@@ -120,6 +147,11 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
             true => RecoveryAction::First(Need::Halt),
             false => RecoveryAction::Command(ModeCommand::Stop),
         };
+        for (id, report) in line.station_ids().zip(&mut reports) {
+            if !situation.left_out.contains(&id) {
+                image::end_task(line.station(id), report);
+            }
+        }
         let mode = match led.is_empty() && reports.iter().all(|report| report.at_home) {
             true => ControlMode::Home,
             false => ControlMode::StandBy,
@@ -156,11 +188,14 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
             .filter(|&(id, op, _)| line.station(id).index_of(op).is_none())
             .collect();
         let brought = Some(&units).filter(|_| is_to_bring).and_then(|units| brought(line, situation, units));
-        let is_brought = brought.is_some();
         let mut found = brought.unwrap_or_else(|| by_commands_and_presses(line, situation, &led, units));
         let is_open = matches!(found.end, RecoveryEnd::NoWay { .. });
+        let unplaced = || {
+            let stations = line.station_ids().zip(&reports);
+            stations.into_iter().find_map(|(id, report)| unplaced(line, id, report).map(|(op, input)| (id, op, input)))
+        };
         if is_open
-            && let Some(&(station, op, input)) = lost.first()
+            && let Some((station, op, input)) = lost.first().copied().or_else(unplaced)
             && by_hand.len() < line.stations.len() * 4
         {
             by_hand.push(first(Need::Axis { station, op, input }));
@@ -170,6 +205,7 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
             continue;
         }
         steps.append(&mut by_hand);
+        let is_brought = found.steps.iter().any(|step| matches!(step.action, RecoveryAction::Hold { .. }));
         // Answered when what they ask for is done, and a resource is led to a rest by then.
         let last = found.steps.len() - usize::from(found.end == RecoveryEnd::Auto && !found.steps.is_empty());
         found.steps.splice(last..last, answers(is_brought));
@@ -198,7 +234,9 @@ fn beside_auto(
             line.station_ids().zip(reports).map(|(id, report)| unit(line, id, report).map(Rc::new)).collect();
         if let Ok(units) = units {
             plan = by_commands_and_presses(line, &manual, led, units);
-            plan.steps.retain(|step| !matches!(step.action, RecoveryAction::Command(_)));
+            let is_of_all =
+                |step: &RecoveryStep| matches!(step.action, RecoveryAction::Command(_) | RecoveryAction::Hold { .. });
+            plan.steps.retain(|step| !is_of_all(step));
         }
     }
     plan.steps.extend(alone.iter().map(|&station| RecoveryStep {
@@ -211,101 +249,17 @@ fn beside_auto(
     plan
 }
 
-/// What has to be before anything else, and no command does.
-fn before_all(line: &Line, situation: &LineSituation) -> Vec<Need> {
-    let mut needs: Vec<Need> = situation.obstacles.iter().cloned().map(Need::Other).collect();
-    match situation.console {
-        ConsoleSituation::Heard => {}
-        ConsoleSituation::ButtonPressed if situation.mode == ControlMode::EStop && !situation.is_reset => {
-            needs.push(Need::Button);
-        }
-        ConsoleSituation::ButtonPressed => {}
-        ConsoleSituation::Lost => needs.push(Need::Console),
-    }
-    let stations = || line.station_ids().zip(&situation.stations);
-    needs.extend(stations().filter(|(_, report)| report.is_none()).map(|(id, _)| Need::Heard(id)));
-    let heard = || stations().filter_map(|(id, report)| Some((id, report.as_ref()?)));
-    needs.extend(heard().filter(|(_, report)| !report.devices_valid).map(|(id, _)| Need::Devices(id)));
-    let is_in_auto = situation.mode == ControlMode::Auto && situation.enabled;
-    let moves = |report: &StationReport| !report.stopped && !is_in_auto && !is_held(report);
-    needs.extend(heard().filter(|(_, report)| moves(report)).map(|(id, _)| Need::Standstill(id)));
-    needs
-}
-
-/// The motions of a station that are under way.
-fn under_way(line: &Line, id: StationId, report: &StationReport) -> Vec<PlannedMotion> {
-    let moves = report.places.iter().enumerate().filter_map(|(op, &number)| {
-        let place = StationPlace::from_number(OpId::at(op), number).filter(|place| place.is_operating())?;
-        (op < line.station(id).operations.len()).then_some(place)
-    });
-    let motion = |place: StationPlace| {
-        let arrived = image::arrived(line, id, report.measured, &[place]);
-        planned(line, id, place, arrived)
-    };
-    moves.map(motion).collect()
-}
-
-/// A motion, with the image in which it ends.
-fn planned(line: &Line, station: StationId, place: StationPlace, arrived: u128) -> PlannedMotion {
-    let is_index = line.station(station).index_of(place.op).is_some();
-    PlannedMotion {
-        station,
-        place,
-        to_place: if is_index { image::place(line, station, arrived) } else { None },
-        homes: false,
-        time: image::motion(line.station(station), place).1,
-    }
-}
-
-/// Whether what moves there is held at a button: in manual nothing moves by itself.
-const fn is_held(report: &StationReport) -> bool {
-    matches!(report.mode, Some(ControlMode::Manual)) && !report.stopped
-}
-
-/// What is held now: it is held on until its motion has ended. Of a homing at a rest the search says so.
-fn held(line: &Line, situation: &LineSituation) -> Vec<RecoveryStep> {
-    let stations = || line.station_ids().zip(&situation.stations);
-    let heard = stations().filter_map(|(id, report)| Some((id, report.as_ref()?)));
-    let moves =
-        |&(id, report): &(StationId, &StationReport)| is_held(report) && !under_way(line, id, report).is_empty();
-    let held: Vec<(StationId, &StationReport)> = heard.filter(moves).collect();
-    let step = |action, moves| RecoveryStep { action, moves, is_doubtful: false, mode: situation.mode, after: None };
-    if situation.resumes && !held.is_empty() {
-        let moves = held.iter().flat_map(|&(id, report)| under_way(line, id, report)).collect();
-        return vec![step(RecoveryAction::Resume, moves)];
-    }
-    let press = |(id, report): (StationId, &StationReport)| {
-        let moves = under_way(line, id, report);
-        // On a recovery path every motion is one of return.
-        let goes_back = report.recovering_home || moves.iter().any(|motion| motion.place.block == Block::Recovery);
-        let button = if goes_back { PanelButton::Return } else { PanelButton::Advance };
-        step(RecoveryAction::Press(id, button), moves)
-    };
-    held.into_iter().map(press).collect()
-}
-
-/// The fault signals that are on, of the operations that were stopped.
-fn fault_signals(station: &Station, report: &StationReport) -> Vec<InputId> {
-    let mut on = Vec::new();
-    for &(op, _) in &report.incomplete {
-        let Some(operation) = station.operations.get(op.index()) else { continue };
-        let back = match &operation.module {
-            OperationModule::Reversible { recovery, .. } => Some(*recovery),
-            OperationModule::Irreversible { .. } => None,
-        };
-        let faults = std::iter::once(operation.normal).chain(back).filter_map(|signals: MotionSignals| signals.fault);
-        for fault in faults.filter(|fault| report.devices_valid && report.measured & fault.bit() != 0) {
-            if !on.contains(&fault) {
-                on.push(fault);
-            }
-        }
-    }
-    on
-}
-
 /// Stations at rests where nothing begins are brought to others in hand mode.
 fn brought(line: &Line, situation: &LineSituation, units: &PlayedStations) -> Option<RecoveryPlan> {
-    let way = bring::in_hand(line, situation, units.clone())?;
+    let floor = PlayedLine::new(line, units);
+    let mut units = units.clone();
+    floor.meet(&mut units);
+    let way = bring::in_hand(&floor, situation, Desk::new(&floor, situation, units))?;
+    Some(RecoveryPlan::ends(in_hand(line, way), RecoveryEnd::Auto))
+}
+
+/// The steps of a way in hand mode.
+fn in_hand(line: &Line, way: bring::WayInHand) -> Vec<RecoveryStep> {
     let held = |of: bring::HeldButton| {
         let moved =
             |&(id, place): &(StationId, StationPlace)| planned(line, id, place, of.after[id.index()].report.measured);
@@ -317,10 +271,13 @@ fn brought(line: &Line, situation: &LineSituation, units: &PlayedStations) -> Op
             after: None,
         }
     };
-    let mut steps: Vec<RecoveryStep> = way.to_hand.iter().map(|(command, desk)| commanded(*command, desk)).collect();
+    let all = |way: &[(ModeCommand, Desk)]| -> Vec<RecoveryStep> {
+        way.iter().map(|(command, desk)| commanded(*command, desk)).collect()
+    };
+    let (mut steps, to_auto) = (all(&way.to_hand), all(&way.to_auto));
     steps.extend(way.held.into_iter().map(held));
-    steps.extend(way.to_auto.iter().map(|(command, desk)| commanded(*command, desk)));
-    Some(RecoveryPlan::ends(steps, RecoveryEnd::Auto))
+    steps.extend(to_auto);
+    steps
 }
 
 /// `led`: stations that an alarm asks to be led to a rest, though the mode does not depend on them.
@@ -349,7 +306,7 @@ fn by_commands_and_presses(
         let epoch = desk.units[at].report.mode_epoch;
         floor.order(&mut desk.units, at, in_manual(epoch));
     }
-    let to_auto = |units: &PlayedStations| {
+    let led_to = |units: &PlayedStations| {
         let mut desk = desk.clone();
         desk.units.clone_from(units);
         desk.settle(&floor);
@@ -357,9 +314,9 @@ fn by_commands_and_presses(
         for station in (0..units.len()).filter(at_manual) {
             desk.turn_selector(&floor, StationId::at(station), false);
         }
-        desk.way_to(&floor, ControlMode::Auto)
+        desk
     };
-    let accepted = |units: &PlayedStations| to_auto(units).is_some();
+    let accepted = |units: &PlayedStations| led_to(units).way_to(&floor, ControlMode::Auto).is_some();
     // Where selectors have led to manual the panels are not the console's.
     let stay: Vec<StationId> = situation.left_out.iter().copied().filter(|id| !led.contains(id)).collect();
     let ends = CommonEnds::of(line, situation, led);
@@ -390,11 +347,14 @@ fn by_commands_and_presses(
         };
         steps.push(RecoveryStep { action, moves: Vec::new(), is_doubtful: false, mode, after: None });
     }
-    for (command, desk) in to_auto(&last).into_iter().flatten() {
-        steps.push(commanded(command, &desk));
+    let desk = led_to(&last);
+    let to_auto = desk.way_to(&floor, ControlMode::Auto);
+    match bring::in_hand(&floor, situation, desk) {
+        Some(way) => steps.extend(in_hand(line, way)),
+        None => steps.extend(to_auto.into_iter().flatten().map(|(command, desk)| commanded(command, &desk))),
     }
     let (end, begins_anew) = (RecoveryEnd::Auto, search(kept).leads_home(&last));
-    let led = ends.led(&last, is_certain);
+    let led = ends.led(&last, kept, is_certain);
     RecoveryPlan {
         steps,
         end,

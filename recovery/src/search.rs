@@ -14,7 +14,7 @@ use linewright_station_logic::RejoinAt;
 use rustc_hash::FxHashMap;
 
 use crate::distance::{Aim, Cost, Distances};
-use crate::ends::{CommonEnds, KeptEnds};
+use crate::ends::{CommonEnds, KeptWay};
 use crate::step::{PanelButton, RecoveryAction};
 use crate::units::{PlayedLine, PlayedStations, Resumed};
 
@@ -90,7 +90,7 @@ pub(crate) struct Search<'f, 'l> {
     resumes: bool,
     /// Stations of one activity end it alike.
     ends: &'f CommonEnds,
-    kept: &'f [KeptEnds],
+    kept: &'f KeptWay,
     accepted: &'f dyn Fn(&PlayedStations) -> bool,
 }
 
@@ -106,7 +106,7 @@ impl<'f, 'l> Search<'f, 'l> {
         floor: &'f PlayedLine<'l>,
         left_out: &'f [StationId],
         resumes: bool,
-        (ends, kept): (&'f CommonEnds, &'f [KeptEnds]),
+        (ends, kept): (&'f CommonEnds, &'f KeptWay),
         accepted: &'f dyn Fn(&PlayedStations) -> bool,
     ) -> Self {
         let line: &'l Line = floor.line;
@@ -368,7 +368,8 @@ impl<'s, 'f, 'l> BestFirst<'s, 'f, 'l> {
 
     fn go_on(&mut self, at: usize, units: &PlayedStations, done: Cost, made: Move) {
         let changed = made.after.iter().zip(units).any(|(a, b)| !Rc::ptr_eq(a, b) && a.key != b.key);
-        if changed {
+        let Search { floor, ends, kept, .. } = self.search;
+        if changed && ends.permit(floor.line, units, &made.after, kept) {
             let done = (done.0 + made.cost.0, done.1 + made.cost.1);
             self.enter(SearchNode { units: made.after.clone(), done, from: Some((at, made)) });
         }

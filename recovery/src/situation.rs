@@ -71,6 +71,8 @@ pub struct LineSituation {
     /// Task-driven stations that the mode does not depend on: an alarm of their cell asks about them, or they are out of service.
     pub left_out: Vec<StationId>,
     pub alarms: Vec<StandingAlarm>,
+    /// Failed activities of a cell that have no alarm yet, or none any more, and what they wait for, in words.
+    pub unsettled: Vec<String>,
     /// What else keeps every mode from being given, in words: a second coordinator, a journal that cannot be written.
     pub obstacles: Vec<String>,
     /// A station whose node runs with another description.
@@ -93,6 +95,7 @@ impl LineSituation {
             restarted: Vec::new(),
             left_out: Vec::new(),
             alarms: Vec::new(),
+            unsettled: Vec::new(),
             obstacles: Vec::new(),
             misfit: None,
             stations,

@@ -48,6 +48,13 @@ pub enum Need {
     Halt,
     /// Every station is to acknowledge the mode.
     Acknowledged,
+    /// A failed activity of the cell is to come so far that a person can decide: its stations come to rest first.
+    Settled {
+        /// The activity, and what it waits for, in the coordinator's words.
+        activity: String,
+        /// Stations that are left out and not at rest yet.
+        stations: Vec<StationId>,
+    },
     /// An alarm of the cell is to be answered, when what it asks for is done.
     Answer(StandingAlarm),
     /// In the coordinator's words.
@@ -145,7 +152,13 @@ impl Need {
             | Need::Selector(station, _)
             | Need::Bring(station, _)
             | Need::Axis { station, .. } => Some(*station),
-            Need::Console | Need::Button | Need::Halt | Need::Acknowledged | Need::Answer(_) | Need::Other(_) => None,
+            Need::Console
+            | Need::Button
+            | Need::Halt
+            | Need::Acknowledged
+            | Need::Settled { .. }
+            | Need::Answer(_)
+            | Need::Other(_) => None,
         }
     }
 }

@@ -7,7 +7,7 @@ use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{AxisId, Line, OpId, Owner, Station, StationId};
 use linewright_station_logic::RejoinAt;
 
-use crate::ends::LedActivity;
+use crate::ends::{LedActivity, LedOrder};
 use crate::image;
 use crate::plan::{RecoveryEnd, RecoveryPlan};
 use crate::situation::ActivityEnd;
@@ -53,6 +53,11 @@ impl Need {
             }
             Need::Halt => "wait until the others have ended their tasks, and the mode is stand-by".to_owned(),
             Need::Acknowledged => "wait until every station has acknowledged the mode".to_owned(),
+            Need::Settled { activity, stations } => {
+                let names: Vec<&str> = stations.iter().map(|id| line.station(*id).name.as_str()).collect();
+                let at = if names.is_empty() { String::new() } else { format!(" (left out: {})", names.join(" and ")) };
+                format!("wait: {activity}{at}")
+            }
             Need::Answer(alarm) => {
                 let meaning = |at: usize| alarm.meanings.get(at).filter(|text| !text.is_empty());
                 let answer = |(at, word): (usize, &String)| match meaning(at) {
@@ -327,11 +332,20 @@ impl LedActivity {
     pub fn text(&self, line: &Line) -> String {
         let names: Vec<&str> = self.stations.iter().map(|id| line.station(*id).name.as_str()).collect();
         let names = names.join(" and ");
+        let unordered = match self.order {
+            LedOrder::Kept => "",
+            LedOrder::GivenUp => {
+                ". No presses keep the order of their operations: before each see that one of them holds the part"
+            }
+            LedOrder::Unknown => {
+                ". The description does not tell the order of their operations: before each press see that one of them holds the part"
+            }
+        };
         let (are, their) = if self.stations.len() > 1 { ("are", "their tasks") } else { ("is", "its task") };
         let Some(end) = self.end else {
             let are_not = if self.is_certain { "cannot be led" } else { "are not led, as far as was searched," };
             return format!(
-                "alarm {}: {names} {are_not} to the same end of {their}: see where the part is, and answer by that",
+                "alarm {}: {names} {are_not} to the same end of {their}: see where the part is, and answer by that{unordered}",
                 self.alarm
             );
         };
@@ -345,7 +359,7 @@ impl LedActivity {
             Some(decided) => format!("although {}: no presses were found that lead {other}", decided.because),
             None => "which is shorter".to_owned(),
         };
-        format!("alarm {}: {names} {are} {way}, {why}", self.alarm)
+        format!("alarm {}: {names} {are} {way}, {why}{unordered}", self.alarm)
     }
 }
 
@@ -359,6 +373,9 @@ impl RecoveryPlan {
                     .to_owned(),
             ],
             RecoveryEnd::Auto => Vec::new(),
+            RecoveryEnd::LookAgain if self.is_unsettled() => {
+                vec!["not finished: what follows shows with the alarm of what has failed".to_owned()]
+            }
             RecoveryEnd::LookAgain => vec!["what follows shows when every station is heard".to_owned()],
             RecoveryEnd::Misfit(misfit) => {
                 let name = &line.station(misfit.0).name;

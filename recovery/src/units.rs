@@ -10,7 +10,7 @@ use linewright_station_logic::{
     Controller, Handled, ModeOrder, NO_DELAY, PanelCommand, RejoinAt, StationInput, StationOutbox, StationReport,
 };
 
-use crate::image;
+use crate::image::{self, SeenAxes};
 use crate::step::PanelButton;
 
 /// The moment at which everything happens: nothing expires.
@@ -110,6 +110,7 @@ pub(crate) struct Resumed {
 pub(crate) struct PlayedLine<'l> {
     pub line: &'l Line,
     readers: Vec<Vec<usize>>,
+    seen: Vec<SeenAxes>,
 }
 
 impl<'l> PlayedLine<'l> {
@@ -118,7 +119,7 @@ impl<'l> PlayedLine<'l> {
         for (reader, unit) in units.iter().enumerate() {
             unit.controller.peers().iter().for_each(|peer| readers[peer.index()].push(reader));
         }
-        PlayedLine { line, readers }
+        PlayedLine { line, readers, seen: SeenAxes::of_line(line) }
     }
 
     /// Every station receives every report.
@@ -154,8 +155,21 @@ impl<'l> PlayedLine<'l> {
         self.give(units, station, StationInput::Order(order));
     }
 
+    /// A station has this image. An input that sees its axes changes where they come to be seen, or leave; else it stays as it is measured.
     fn image(&self, units: &mut PlayedStations, station: usize, bits: u128) {
+        let on = |units: &PlayedStations| -> Vec<bool> {
+            self.seen.iter().map(|seen| seen.is_on(|id| units[id.index()].report.measured)).collect()
+        };
+        let before = on(units);
         self.give(units, station, whole_image(bits));
+        for (at, (was_on, is_on)) in before.into_iter().zip(on(units)).enumerate() {
+            if was_on != is_on {
+                let SeenAxes { reader, input, .. } = self.seen[at];
+                let measured = units[reader.index()].report.measured & !input;
+                let image = if is_on { measured | input } else { measured };
+                self.give(units, reader.index(), whole_image(image));
+            }
+        }
     }
 
     /// Holds a panel button until what it starts has arrived. None where it starts nothing that arrives.

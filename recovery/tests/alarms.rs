@@ -3,9 +3,10 @@
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, StationId, Tick};
 use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, StandingAlarm, plan};
-use linewright_station_logic::{Controller, NO_DELAY, Restore, StationInput, StationOutbox};
+use linewright_station_logic::{Controller, NO_DELAY, Restore, StationInput, StationOutbox, StationSnapshot};
 
 use crate::cells::{half_way, shipped};
+use crate::holding::reported;
 
 /// An alarm of an activity whose stations are held between two rests.
 fn alarm(lead: &[StationId], reset: &[StationId]) -> StandingAlarm {
@@ -129,4 +130,63 @@ fn a_station_in_emergency_stop_by_itself_is_reset_before_it_is_led() {
     assert_eq!(first.text(&line), format!("{name}: in emergency stop by itself: reset it with `linewright resource`"));
     assert_eq!(first.commands(&line), [["resource", "LINE", &name, "reset"]]);
     assert_eq!(found.end, RecoveryEnd::Auto);
+}
+
+/// The others end their tasks, and the line is at home then: hand mode is given after start.
+#[test]
+fn from_auto_the_start_is_listed_that_leads_from_home_to_hand() {
+    use linewright_coordinator_logic::ModeCommand;
+    let (line, mut seen) = two_are_left_out(ControlMode::Auto);
+    let named = |name| line.station_named(name).expect("it is one");
+    let (m1, robot) = (named("m1"), named("robot"));
+    let at_rest = |id: StationId, last: &str| {
+        let station = line.station(id);
+        let fresh = Controller::new(&line, id, 7, Restore::Fresh).expect("a shipped station compiles");
+        let last = StationPlace::completed(station.operation_named(last).expect("it is one"));
+        reported(&line, id, StationSnapshot { placed: true, marking: vec![last], ..fresh.snapshot() }, 0)
+    };
+    for id in line.station_ids().filter(|id| *id != m1) {
+        let home = &line.operation((id, line.station(id).home)).name;
+        seen.stations[id.index()] = Some(at_rest(id, home));
+    }
+    seen.stations[m1.index()] = Some(at_rest(m1, "clamp-close"));
+    // The robot works on its order.
+    let carry = line.station(robot).operation_named("carry to m2").expect("it is one");
+    let working = seen.stations[robot.index()].as_mut().expect("it is heard");
+    working.places.fill(0);
+    working.places[carry.index()] = StationPlace::operating(carry).number();
+    (working.at_home, working.stopped, working.order) = (false, false, None);
+    let open = line.station(m1).rest_named("open").expect("it is one");
+    seen.left_out = vec![m1];
+    seen.alarms = vec![StandingAlarm { bring: Some((m1, open)), ..alarm(&[], &[]) }];
+    let found = plan(&line, &seen);
+    let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
+    let commands: Vec<ModeCommand> = found
+        .steps
+        .iter()
+        .filter_map(|step| match step.action {
+            RecoveryAction::Command(command) => Some(command),
+            _ => None,
+        })
+        .collect();
+    let way = [ModeCommand::Stop, ModeCommand::Start, ModeCommand::Hand, ModeCommand::Auto];
+    assert_eq!(commands, way, "{texts:#?}");
+    assert!(place_of(&found.steps, |of| matches!(of, RecoveryAction::Hold { .. })).is_some(), "{texts:#?}");
+}
+
+/// In the seconds before its alarm a failed activity is not over, whatever the mode is.
+#[test]
+fn what_has_failed_and_has_no_alarm_yet_is_waited_for() {
+    for mode in [ControlMode::Auto, ControlMode::StandBy] {
+        let (line, mut seen) = two_are_left_out(mode);
+        seen.alarms.clear();
+        assert!(plan(&line, &seen).leads_to_auto());
+        seen.unsettled = vec!["`load M1` failed, waits for its stations to come to rest".to_owned()];
+        let found = plan(&line, &seen);
+        let names: Vec<&str> = seen.left_out.iter().map(|id| line.station(*id).name.as_str()).collect();
+        let text = format!("wait: {} (left out: {})", seen.unsettled[0], names.join(" and "));
+        assert_eq!(found.steps[0].text(&line), text);
+        assert_eq!((found.end.clone(), found.leads_to_auto()), (RecoveryEnd::LookAgain, false));
+        assert_eq!(found.end_text(&line), ["not finished: what follows shows with the alarm of what has failed"]);
+    }
 }

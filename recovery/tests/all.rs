@@ -5,6 +5,7 @@ mod brute_force;
 mod cells;
 mod commands;
 mod ends;
+mod holding;
 mod operator;
 mod random_plays;
 mod resume;

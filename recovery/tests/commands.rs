@@ -58,6 +58,27 @@ impl WrongRest {
         found
     }
 
+    /// Another machine and the robot have been let go between two rests, with nothing incomplete.
+    fn and_others_between_rests(mut self) -> Self {
+        let line = self.sim.line().clone();
+        let way: &[ModeCommand] = match self.sim.mode() {
+            ControlMode::Home => &[ModeCommand::Start, ModeCommand::Hand],
+            ControlMode::StandBy => &[ModeCommand::Hand],
+            _ => &[],
+        };
+        way.iter().for_each(|&of| command(&mut self.sim, of));
+        hold(&mut self.sim, &line, "PB_load_2", 20.0);
+        command(&mut self.sim, ModeCommand::Stop);
+        let report = |name: &str| {
+            let id = line.station_named(name).expect("it is one");
+            self.sim.controller(id).expect("it is up").report()
+        };
+        for report in [report("robot"), report("m2")] {
+            assert!(!report.at_home && report.incomplete.is_empty(), "{}", described(&self.sim));
+        }
+        self
+    }
+
     fn rest(&self) -> Option<RestId> {
         self.sim.controller(self.station)?.report().order?.rest
     }
@@ -91,6 +112,14 @@ impl WrongRest {
                 assert_eq!(self.sim.mode(), ControlMode::Hand, "{words:?}");
                 hold(&mut self.sim, &line, button, time.parse().expect("seconds"));
             }
+            ["press", "LINE", side, "--station", name, "--for", time] => {
+                assert_eq!(self.sim.mode(), ControlMode::Manual, "{words:?}");
+                let (station, advance) = (line.station_named(name).expect("it is one"), side == "advance");
+                for down in [true, false] {
+                    self.sim.act(OperatorAction::Panel { station, advance, down }).expect("it is done");
+                    run_for(&mut self.sim, Duration::from_secs_f64(time.parse().expect("seconds")));
+                }
+            }
             // The coordinator takes it where the station stands at the rest where its next task begins.
             ["answer", "LINE", "7", "up"] => {
                 assert_eq!(self.rest(), Some(self.wanted), "{words:?} is refused: {}", described(&self.sim));
@@ -110,23 +139,41 @@ fn hold(sim: &mut LineSim, line: &Line, button: &str, seconds: f64) {
     run_for(sim, Duration::from_millis(600));
 }
 
+/// Gives the first command of each list until nothing is to be done.
+fn follow_commands(mut of: WrongRest) {
+    let (line, mode) = (of.sim.line().clone(), of.sim.mode());
+    let mut given = Vec::new();
+    for _ in 0..30 {
+        let found = plan(&line, &of.seen());
+        assert_eq!(found.end, RecoveryEnd::Auto, "{mode}: {}", described(&of.sim));
+        let Some(step) = found.steps.first() else { break };
+        let commands = step.commands(&line);
+        assert!(!commands.is_empty(), "{mode}: {}: {}", step.text(&line), described(&of.sim));
+        given.push(commands[0].join(" "));
+        of.give(&commands[0]);
+    }
+    assert!(of.is_answered && of.sim.mode() == ControlMode::Auto, "{mode}: {given:#?}");
+    // PB_back_1 leads there as well, with as many motions; its alarm names this one.
+    assert!(given.iter().any(|words| words.starts_with("press LINE PB_clear_1 ")), "{mode}: {given:#?}");
+}
+
 #[test]
 fn each_command_to_a_station_at_the_wrong_rest_is_accepted_as_it_is_printed() {
     for mode in [ControlMode::Auto, ControlMode::Home, ControlMode::StandBy, ControlMode::Hand] {
-        let mut of = WrongRest::clamped(mode);
+        follow_commands(WrongRest::clamped(mode));
+    }
+}
+
+/// The others are led to rests in manual, then the first one in hand mode.
+#[test]
+fn so_is_each_where_other_stations_stand_between_two_rests() {
+    for mode in [ControlMode::Home, ControlMode::StandBy, ControlMode::Hand] {
+        let of = WrongRest::clamped(mode).and_others_between_rests();
         let line = of.sim.line().clone();
-        let mut given = Vec::new();
-        for _ in 0..12 {
-            let found = plan(&line, &of.seen());
-            assert_eq!(found.end, RecoveryEnd::Auto, "{mode}: {}", described(&of.sim));
-            let Some(step) = found.steps.first() else { break };
-            let commands = step.commands(&line);
-            assert!(!commands.is_empty(), "{mode}: {}: {}", step.text(&line), described(&of.sim));
-            given.push(commands[0].join(" "));
-            of.give(&commands[0]);
-        }
-        assert!(of.is_answered && of.sim.mode() == ControlMode::Auto, "{mode}: {given:#?}");
-        assert!(given.iter().any(|words| words.starts_with("press LINE PB_")), "{mode}: {given:#?}");
+        let steps = plan(&line, &of.seen()).steps;
+        let texts: Vec<String> = steps.iter().map(|step| step.text(&line)).collect();
+        assert!(steps.iter().all(|step| !step.commands(&line).is_empty()), "{texts:#?}");
+        follow_commands(of);
     }
 }
 

@@ -320,3 +320,31 @@ fn a_station_with_another_description_ends_the_list_at_once() {
         format!("{}: its report does not fit this description; give the one that it runs with", line.stations[1].name)
     );
 }
+
+/// A station with two axes was started without its journal while both stood between switches: no operation fits.
+#[test]
+fn two_axes_between_switches_are_put_onto_them_by_hand() {
+    use linewright_station_logic::{Controller, NO_DELAY, Restore, StationInput, StationOutbox};
+    let sim = after_a_jam(2, "feed main slide");
+    let (line, id) = (sim.line().clone(), StationId(2));
+    let mut seen = situation(&sim);
+    let station = line.station(id);
+    let before = seen.stations[id.index()].as_ref().expect("it is heard").measured;
+    let ends = (0..station.axes.len()).flat_map(|axis| {
+        let axis = linewright_line::AxisId::at(axis);
+        let motions = station.operations.iter().map(|of| of.motion).filter(move |motion| motion.axis == axis);
+        motions.flat_map(move |motion| [motion.from, motion.to]).map(move |at| (axis, at))
+    });
+    let bits = ends.fold(before, |bits, (axis, at)| bits & !station.switches_at(axis, at));
+    let mut controller = Controller::new(&line, id, 99, Restore::Fresh).expect("it compiles");
+    let (now, until, under) = (sim.now(), linewright_line::Tick::NEVER, NO_DELAY);
+    controller.handle(now, StationInput::Inputs { bits, valid: true, until, under });
+    controller.step(now, &mut StationOutbox::default());
+    seen.stations[id.index()] = Some(linewright_recovery::as_received(controller.report()));
+    let found = plan(&line, &seen);
+    let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
+    assert_eq!(found.end, RecoveryEnd::Auto, "{texts:#?}");
+    let by_hand = texts.iter().filter(|text| text.contains("by hand, with its drive off, onto")).count();
+    assert_eq!(by_hand, 1, "the other axis is led on then: {texts:#?}");
+    assert!(texts[0].contains("by hand, with its drive off, onto"), "{texts:#?}");
+}

@@ -1,6 +1,6 @@
 //! The processes of the nodes: their shells, with their last messages.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::rc::Rc;
 
 use linewright_coordinator_logic::StationView;
@@ -197,6 +197,8 @@ pub(crate) struct CoordinatorNode {
     /// Its disk takes no record.
     pub(crate) disk_is_full: bool,
     console: Option<(u128, bool)>,
+    /// Stations away from their rests: no cell gives any an order.
+    away: BTreeSet<StationId>,
     /// Where links keep the order of messages each is newer than the one before.
     taken: u64,
 }
@@ -211,6 +213,7 @@ impl CoordinatorNode {
             effects: Vec::new(),
             journal,
             console: None,
+            away: BTreeSet::new(),
             taken: 0,
         }
     }
@@ -239,6 +242,12 @@ impl CoordinatorNode {
             | LinkPayload::Panel(_)
             | LinkPayload::Rejoin(_) => return,
         };
+        if let CoordinatorArrival::State { station, heard, .. } = &arrival {
+            let is_new = if heard.at_home { self.away.remove(station) } else { self.away.insert(*station) };
+            if is_new {
+                self.shell.hold(|id| self.away.contains(&id));
+            }
+        }
         self.shell.handle(now, arrival);
     }
 

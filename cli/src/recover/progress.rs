@@ -5,7 +5,7 @@ use linewright_recovery::{Need, RecoveryAction, RecoveryPlan, RecoveryStep};
 
 /// Something that ends by itself.
 fn is_wait(step: &RecoveryStep) -> bool {
-    matches!(step.action, RecoveryAction::First(Need::Standstill(_) | Need::Acknowledged))
+    matches!(step.action, RecoveryAction::First(Need::Standstill(_) | Need::Acknowledged | Need::Settled { .. }))
 }
 
 /// The first steps of a plan that its successor does not have any more, if the rest is the same.

@@ -21,6 +21,10 @@ use crate::support::wait_for;
 
 const LONG: Duration = Duration::from_secs(90);
 
+/// What can be answered when the robot came to machine 1 without the part.
+const ANSWERS: &str = "Answers: in-store (once more, part at ST; fits the sensors), in-machine (done, part at M1; \
+    contradicts the sensors: M1: part expected, sensor off), scrap (part gone; fits the sensors)";
+
 /// A shipped cell, so many times as fast.
 fn cell(name: &str, times: f64) -> Rig {
     let file = |file: &str| {
@@ -64,10 +68,7 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back() {
     for part in ["R came to M1 without part 1 (order A of run ", ", 1 of 1). Put the part back into slot 1 of ST."] {
         assert!(alarm.contains(part), "{part}: {alarm}");
     }
-    assert!(
-        alarm.contains("in-store (once more, part at ST), in-machine (done, part at M1), scrap (part gone)"),
-        "{alarm}"
-    );
+    assert!(alarm.contains(ANSWERS), "{alarm}");
     let why = rig.said(&["why"], &["part", "1"]).expect("it is known");
     assert!(why.contains("waits for an answer to alarm 1"), "{why}");
     let why = rig.said(&["why"], &["R"]).expect("a resource is known");
@@ -100,7 +101,7 @@ fn is_watched(rig: &Rig) {
     let whole = picture.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in [
         "alarms: 1: R came to M1 without part 1 (order A of run ",
-        "Answers: in-store (once more, part at ST), in-machine (done, part at M1), scrap (part gone)",
+        ANSWERS,
         "of part 1 for",
         "failed, waits for an answer to alarm 1",
         "parts: 1 inside, 0 have left",

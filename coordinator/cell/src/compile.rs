@@ -17,6 +17,7 @@ use linewright_nets::PlaceId;
 use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
 use thiserror::Error;
 
+pub use handling::rests;
 pub use recovery::{ErrorPart, Recovery, RecoveryNet, recovery_net};
 pub use sheet::sheet;
 

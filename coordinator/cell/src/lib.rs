@@ -13,7 +13,7 @@
 //! - [`schedule`]: when everything is to start, followed and revised.
 //! - [`tracking`]: what has happened, for reports.
 //! - [`texts`]: what operators read.
-//! - [`exception`]: what becomes of what has failed, and what is down.
+//! - [`exception`]: what becomes of what has failed, and what is down; [`AnswerVerdict`]: of an answer that is not given yet.
 //! - [`Coordination`]: the token player, with the argument why a crash loses nothing and repeats nothing.
 //! - [`compile`]: from a cell's description to its table; the only module that reads one.
 //!
@@ -39,6 +39,7 @@ mod protocol;
 mod question;
 mod reason;
 mod record;
+mod rehearsal;
 pub mod schedule;
 mod serial;
 mod situation;
@@ -69,6 +70,7 @@ pub use question::{
 };
 pub use reason::{DecidingRule, Gain, HoldReason, LostDecision, ProgressComparison};
 pub use record::{ActivityFailure, ActivityStep, OrderFailure, Record, RecordKind, TaskRefusal};
+pub use rehearsal::AnswerVerdict;
 pub use snapshot::CellSnapshot;
 pub use state::{Part, PartPlace, PlayerState, ReplayError};
 pub use table::{CellTable, PlanError};

@@ -132,6 +132,8 @@ const MAY_USE: [(&str, &[&str]); 39] = [
             "linewright-line",
             "linewright-station-logic",
             "linewright-coordinator-logic",
+            // Which button an alarm names.
+            "linewright-coordinator-cell",
             // The part of a station's report that the coordinator uses is chosen once, there.
             "linewright-coordinator-shell",
         ],

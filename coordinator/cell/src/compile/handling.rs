@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use linewright_cell::net::{CellNet, PlaceMeaning, ResourcePosition, Supply};
 use linewright_cell::{Activity, ActivityId, Cell, ExceptionRule, LeftOut, Resource, ResourceId as Of, Role, StopOf};
-use linewright_line::{ButtonId, Line, OperationModule, Station, StationId};
+use linewright_line::{ButtonId, Line, OperationModule, RestId, Station, StationId};
 use linewright_nets::coloured::Unfolding;
 
 use crate::exception::{
@@ -52,7 +52,27 @@ pub(super) fn handling(
     }
 }
 
-fn rests(line: &Line, id: StationId) -> StationRests {
+impl StationRests {
+    /// Ways from one rest to another in hand mode: a task there, one that waits for nothing before one that may wait for ever; and the
+    /// button that takes back a task that has led away from there, with that task.
+    pub fn ways(&self, from: RestId, to: RestId) -> (Option<&RestTask>, Option<(&str, &str)>) {
+        let there = self.tasks.iter().filter(|task| (task.from, task.to) == (from, to));
+        let mut ended = self.tasks.iter().filter(|task| (task.from, task.to) == (to, from));
+        (there.min_by_key(|task| task.waits), ended.find_map(|task| Some((task.back.as_deref()?, &*task.name))))
+    }
+
+    /// The button of these that texts name first.
+    pub fn button(&self, from: RestId, to: RestId) -> Option<&str> {
+        match self.ways(from, to) {
+            (Some(task), None) => Some(&task.button),
+            (Some(task), Some(_)) if !task.waits => Some(&task.button),
+            (_, back) => back.map(|(button, _)| button),
+        }
+    }
+}
+
+/// The rests of a station, and its tasks as ways between them.
+pub fn rests(line: &Line, id: StationId) -> StationRests {
     let station: &Station = line.station(id);
     let task = |of: linewright_line::TaskId| {
         let (task, mut operations) = (station.task(of), station.operations_of(of));

@@ -267,11 +267,7 @@ pub(crate) fn wrong_rest(state: &PlayerState, found: &WrongRest) -> String {
     let rests = handling.rests.iter().find(|of| of.station == found.station);
     let rest = |id: RestId| rests.and_then(|of| of.names.get(id.index())).map_or("?", |name| name);
     let tasks = rests.map(|of| &of.tasks[..]).unwrap_or_default();
-    let way = tasks.iter().filter(|task| (task.from, task.to) == (found.stands, found.wanted));
-    // One that waits for nothing goes before one that may wait for ever.
-    let way = way.min_by_key(|task| task.waits);
-    let mut ended = tasks.iter().filter(|task| (task.from, task.to) == (found.wanted, found.stands));
-    let back = ended.find_map(|task| Some((task.back.as_deref()?, &*task.name)));
+    let (way, back) = rests.map(|of| of.ways(found.stands, found.wanted)).unwrap_or_default();
     let held = [way.map(|task| &*task.button), back.map(|(button, _)| button)];
     let all = tasks.iter().flat_map(|task| &task.shared).filter(|(button, _)| held.contains(&Some(&**button)));
     let mut too: Vec<String> = all.map(|(button, station)| AlarmText::MovesToo { button, station }.text()).collect();
@@ -291,7 +287,7 @@ pub(crate) fn wrong_rest(state: &PlayerState, found: &WrongRest) -> String {
     .text()
 }
 
-fn difference(handling: &RecoveryPolicy, found: &SensorMismatch) -> String {
+pub(super) fn difference(handling: &RecoveryPolicy, found: &SensorMismatch) -> String {
     let resource = handling.resource_name(found.resource);
     if found.model { AlarmText::PartMissing { resource }.text() } else { AlarmText::PartUnexpected { resource }.text() }
 }

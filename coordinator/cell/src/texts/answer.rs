@@ -3,8 +3,10 @@
 use linewright_line::{Line, StationId};
 
 use crate::exception::{AlarmAnswerRefusal, ResourceRequest, StationUnavailable};
-use crate::ids::ResourceId;
+use crate::ids::{AlarmId, ResourceId};
+use crate::rehearsal::AnswerVerdict;
 use crate::state::PlayerState;
+use crate::texts::alarm::difference;
 
 /// The reason, with the names of the description.
 pub fn answer_refused(line: &Line, state: &PlayerState, asked: ResourceRequest, why: AlarmAnswerRefusal) -> String {
@@ -15,6 +17,28 @@ pub fn answer_refused(line: &Line, state: &PlayerState, asked: ResourceRequest, 
         alarm.map(|alarm| alarm.words.join(", ")).unwrap_or_default()
     };
     why.text(asked, station, resource, answers)
+}
+
+/// The meaning of an answer, with whether it fits what sensors say now; nothing is added where they say nothing of it.
+pub fn judged(line: &Line, state: &PlayerState, alarm: AlarmId, meaning: String, verdict: &AnswerVerdict) -> String {
+    let why = match verdict {
+        AnswerVerdict::Taken { is_confirmed: true } => "fits the sensors".to_owned(),
+        AnswerVerdict::Contradicted(found) => {
+            let found: Vec<String> = found.iter().map(|of| difference(state.table().handling(), of)).collect();
+            format!("contradicts the sensors: {}", found.join(", "))
+        }
+        AnswerVerdict::Refused(
+            why @ (AlarmAnswerRefusal::HasPart(_)
+            | AlarmAnswerRefusal::HasNoPart(_)
+            | AlarmAnswerRefusal::Contradicted(_)
+            | AlarmAnswerRefusal::WrongRest(_)),
+        ) => format!("refused now: {}", answer_refused(line, state, ResourceRequest::Answer(alarm), *why)),
+        // What is so of every answer is in the text of the alarm.
+        AnswerVerdict::Refused(_) | AnswerVerdict::Taken { is_confirmed: false } | AnswerVerdict::Open => {
+            return meaning;
+        }
+    };
+    if meaning.is_empty() { why } else { format!("{meaning}; {why}") }
 }
 
 impl AlarmAnswerRefusal {

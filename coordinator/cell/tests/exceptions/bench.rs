@@ -26,6 +26,13 @@ pub fn workcell() -> String {
     std::fs::read_to_string(path).expect("it is there")
 }
 
+/// The line of that cell, with a change in its description.
+pub fn workcell_line(changed: impl Fn(String) -> String) -> Line {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../launch-config/lines/workcell-c1/line.toml");
+    let line = changed(std::fs::read_to_string(path).expect("it is there"));
+    linewright_line::parse("line.toml", &line).expect("it is sound").line
+}
+
 /// A cell that is to make so many parts of each type.
 pub fn table(text: &str, parts: &[u32]) -> (Cell, Arc<CellTable>) {
     table_of(text, None, parts)
@@ -70,9 +77,7 @@ impl CellBench {
 
     /// The same with a change in the line's description.
     pub fn c1_of_line(changed: impl Fn(String) -> String, parts: &[u32]) -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../launch-config/lines/workcell-c1/line.toml");
-        let line = changed(std::fs::read_to_string(path).expect("it is there"));
-        let line = linewright_line::parse("line.toml", &line).expect("it is sound").line;
+        let line = workcell_line(changed);
         let mut bench = Self::of(table_of(&workcell(), Some(&line), parts));
         // All stations are heard at once, so M1 is loaded first.
         bench.sim.options.delay = (Duration::from_millis(1), Duration::from_millis(1));

@@ -7,6 +7,7 @@ mod crash;
 mod emergency;
 mod missed;
 mod moves;
+mod rehearsed;
 mod rows;
 mod rows_of_parts;
 mod stands;

@@ -35,7 +35,7 @@ use super::requests::PlayerMessage;
 use super::topics::{CellInbound, CellPublishers, open};
 use super::why::why;
 use super::wire;
-use super::words::describe;
+use super::words::{NewestReports, describe};
 use crate::situation::{IsolatedStations, LineSituation};
 
 /// Reason why a cell cannot be played, or not any more.
@@ -182,6 +182,7 @@ pub(super) struct CellLoop {
     from: mpsc::Receiver<CellInbound>,
     situation: watch::Receiver<LineSituation>,
     states: Vec<NewestBySequence>,
+    reports: NewestReports,
     /// The time when this life began, and by which clock it goes on.
     origin: Tick,
     began: tokio::time::Instant,
@@ -241,6 +242,7 @@ impl CellLoop {
             from,
             situation,
             states: vec![NewestBySequence::new(line.timing.stale); line.stations.len()],
+            reports: NewestReports::new(),
             origin,
             began: tokio::time::Instant::now(),
             told: Vec::new(),
@@ -305,6 +307,7 @@ impl CellLoop {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
                     let (heard, refused) = wire::heard(&message, self.line.station(station), unable, sensor);
                     let secured = wire::secured(&message, &heard);
+                    self.reports.insert(station, (now, heard.clone()));
                     self.told.push(PlayerMessage::State(station, heard));
                     self.told.extend(secured.map(|(key, way, reply)| PlayerMessage::Secured(station, key, way, reply)));
                     self.told.extend(refused.into_iter().map(|(key, reply)| PlayerMessage::Reply(station, key, reply)));
@@ -473,7 +476,7 @@ impl CellLoop {
             return;
         }
         (self.said, self.changed) = (now, false);
-        describe(&self.line, &self.coordination, may_start, now, &mut self.message);
+        describe(&self.line, &self.coordination, &self.reports, may_start, now, &mut self.message);
         self.message.header = stamp();
         self.message.sequence += 1;
         self.says.state.send(self.message.clone());

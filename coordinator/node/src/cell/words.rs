@@ -2,11 +2,13 @@
 //!
 //! Names of the net become an operator's terms: a part is *in M1, loaded*, or *in `load M1`*.
 
+use std::collections::BTreeMap;
+
 use linewright_coordinator_cell::exception::{Alarm, LeadDirection, StationsToLead};
 use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
 use linewright_coordinator_cell::{
     ActivityPhase, CellTable, Coordination, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderProgress, Part,
-    PartPlace, PlayerState, ProductionId, texts,
+    PartPlace, PlayerState, ProductionId, TaskReport, texts,
 };
 use linewright_line::{Line, RestId, StationId, Tick};
 use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
@@ -14,8 +16,21 @@ use linewright_node_line::quoted;
 
 use super::wire::time;
 
+/// Alarms whose answers are rehearsed for a message: each costs a copy of the state.
+const REHEARSED_MAX: usize = 5;
+
+/// The newest reports of stations, with the times of their arrival.
+pub type NewestReports = BTreeMap<StationId, (Tick, TaskReport)>;
+
 /// Fills the message, but for its header and numbers.
-pub fn describe(line: &Line, coordination: &Coordination, starting: bool, now: Tick, message: &mut CellState) {
+pub fn describe(
+    line: &Line,
+    coordination: &Coordination,
+    reports: &NewestReports,
+    starting: bool,
+    now: Tick,
+    message: &mut CellState,
+) {
     let state = coordination.state();
     let (table, production) = (state.table(), state.production());
     message.epoch = state.epoch();
@@ -40,7 +55,7 @@ pub fn describe(line: &Line, coordination: &Coordination, starting: bool, now: T
             raised: time(alarm.since),
             text: fitting(coordination.alarm_text(now, alarm)),
             answers: alarm.words.clone(),
-            meanings: texts::alarm::meanings(coordination, alarm),
+            meanings: Vec::new(),
             lead: names(lead),
             reset: names(reset),
             lead_to: reason.map_or(AlarmState::LEAD_EITHER, |reason| direction(reason.direction())),
@@ -49,7 +64,11 @@ pub fn describe(line: &Line, coordination: &Coordination, starting: bool, now: T
             to_rest: brings.map(to_rest).unwrap_or_default(),
         }
     };
-    message.alarms = listed(state.exceptions().alarms().map(alarm));
+    let mut alarms: Vec<AlarmState> = state.exceptions().alarms().take(LISTED_MAX).map(alarm).collect();
+    for (at, (listed, of)) in alarms.iter_mut().zip(state.exceptions().alarms()).enumerate() {
+        listed.meanings = meanings(line, coordination, reports, now, (of, at < REHEARSED_MAX));
+    }
+    message.alarms = listed(alarms.into_iter());
     let name = |id| table.handling().resource(id).map(|resource| resource.name.to_string()).unwrap_or_default();
     message.down = listed(state.exceptions().down().map(|(id, _)| name(id)));
     let mut parts: Vec<&Part> = state.parts().collect();
@@ -60,6 +79,30 @@ pub fn describe(line: &Line, coordination: &Coordination, starting: bool, now: T
         production.orders().partition(|order| order.ended.is_none());
     message.orders =
         listed(open.into_iter().chain(over.into_iter().rev()).map(|order| ordered(production, order, now)));
+}
+
+/// The meanings of the answers to an alarm; where it is rehearsed, with what sensors say of each now.
+fn meanings(
+    line: &Line,
+    coordination: &Coordination,
+    reports: &NewestReports,
+    now: Tick,
+    (alarm, is_rehearsed): (&Alarm, bool),
+) -> Vec<String> {
+    let state = coordination.state();
+    // A station that is not heard any more may have been moved since.
+    let is_fresh = |at: Tick| now < at + state.table().repeat_interval();
+    let fresh = reports.iter().filter(|(_, (at, _))| is_fresh(*at));
+    let fresh: Vec<(StationId, &TaskReport)> = fresh.map(|(&id, (_, report))| (id, report)).collect();
+    let all = alarm.words.iter().zip(texts::alarm::meanings(coordination, alarm));
+    let judged = all.map(|(word, meaning)| match is_rehearsed {
+        true => {
+            let verdict = coordination.rehearsed(now, alarm.id, word, &fresh);
+            fitting(texts::judged(line, state, alarm.id, meaning, &verdict))
+        }
+        false => meaning,
+    });
+    judged.collect()
 }
 
 fn count(of: usize) -> u32 {
