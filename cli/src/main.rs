@@ -11,6 +11,7 @@ mod cell;
 mod chart;
 mod check;
 mod client;
+mod described;
 mod devices;
 mod expand;
 mod files;

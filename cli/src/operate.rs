@@ -72,7 +72,7 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         return Err(miette!("--wait goes with stop: linewright mode {line} stop --wait"));
     }
     let single = args.station.as_deref().map(|name| single::meant(&line, name, command)).transpose()?;
-    let mut client = OperatorClient::open(&line, ros, "operator")?;
+    let mut client = OperatorClient::open(&line, &args.line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
     if let Some(command) = command {
         let refusals = client.coordinator().map_or(0, |state| state.refusals);
@@ -169,7 +169,7 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
             false => miette!("'{unknown}' is no button of the main console; it has {known}"),
         });
     }
-    let mut client = OperatorClient::open(line, ros, "operator")?;
+    let mut client = OperatorClient::open(line, &args.line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
     let names = args.buttons.join(" ");
     let stations = meant_by(line, &args.buttons);
@@ -200,7 +200,7 @@ async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs
     let [button] = args.buttons.as_slice() else {
         return Err(miette!("one button of a panel at a time: advance, return, manual or auto"));
     };
-    let mut client = OperatorClient::open(line, ros, "operator")?;
+    let mut client = OperatorClient::open(line, &args.line, ros, "operator")?;
     let outcome = match button.as_str() {
         "advance" | "return" => {
             let publisher = client.panel_button(id, button)?;

@@ -57,7 +57,7 @@ pub struct Args {
 /// `linewright recover`
 pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let (line, is_cell) = load::line_or_cell(&args.line)?;
-    let mut client = OperatorClient::open(&line, ros, "recover")?;
+    let mut client = OperatorClient::open(&line, &args.line, ros, "recover")?;
     let mut cell = is_cell.then(|| CellClient::open(&line, ros, "recover_cell")).transpose()?;
     if args.publish {
         return publish::run(&mut client, cell, &args.line.display().to_string()).await;
@@ -163,16 +163,25 @@ impl NewestPlan {
     }
 }
 
-/// What is received now; none where the coordinator is not received.
+/// What is received now; none where the coordinator is not received, or was started with another description: what a plan by this one
+/// leads to is not known there.
 fn situation_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<LineSituation> {
+    if client.other_coordinator().is_some() {
+        return None;
+    }
     let line = client.line();
     let state = client.coordinator()?;
     let mode = mode_from_code(state.mode).ok()?;
-    let report =
-        |id| client.station(id).and_then(|state| report_from_message(line, state).ok()).map(|(_, report)| report);
+    // A station with another description is the misfit.
+    let report = |id| {
+        client
+            .station(id)
+            .and_then(|state| report_from_message((line, state.description), state).ok())
+            .map(|(_, report)| report)
+    };
     let stations = line.station_ids().map(report).collect();
     let mut situation = LineSituation::read(line, mode, state.enabled, standing(line, state), stations);
-    situation.misfit = client.other_description();
+    situation.misfit = client.other_station();
     situation.alarms = cell.and_then(CellClient::heard_lately).map(|cell| alarms(line, cell)).unwrap_or_default();
     Some(situation)
 }
@@ -285,6 +294,7 @@ fn picture(
         lines.push("       remove what is still so of it first: it leads to the same fault again".to_owned());
     }
     lines.extend(done.iter().map(|text| format!(" done  {text}")));
+    lines.extend(client.other_descriptions());
     let Some(plan) = found else { return lines };
     lines.extend(plan.led.iter().map(|led| led.text(line)));
     for (at, step) in plan.steps.iter().enumerate() {
@@ -298,7 +308,6 @@ fn picture(
         }
     }
     lines.extend(plan.end_text(line));
-    lines.extend(client.other_descriptions());
     if !plan.is_shortest {
         lines.push("there may be a shorter way: the search was ended".to_owned());
     }

@@ -52,10 +52,12 @@ pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         }
     }
     let mut lines = reasons.clone();
-    let mut objects = Vec::new();
+    let (mut objects, mut others) = (Vec::new(), Vec::new());
     if !stations.is_empty() {
-        let mut client = OperatorClient::open(&line, ros, "why_line")?;
+        let mut client = OperatorClient::open(&line, &args.line, ros, "why_line")?;
         client.until_all_heard(CONNECT).await?;
+        others = client.other_descriptions();
+        lines.splice(0..0, others.clone());
         if about.is_empty() {
             lines.extend(watch::mode(&line.title, client.coordinator(), client.coordinator_unheard_for(), usize::MAX));
         }
@@ -66,7 +68,7 @@ pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         }
     }
     if args.json {
-        out::json(&json!({ "about": about, "reasons": reasons, "stations": objects }))?;
+        out::json(&json!({ "about": about, "reasons": reasons, "other_descriptions": others, "stations": objects }))?;
     } else {
         say!("{}", lines.join("\n"));
     }

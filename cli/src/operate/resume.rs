@@ -13,7 +13,7 @@ use crate::client::OperatorClient;
 pub const RESUME: &str = "resume";
 
 pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
-    let mut client = OperatorClient::open(line, ros, "operator")?;
+    let mut client = OperatorClient::open(line, &args.line, ros, "operator")?;
     let publisher = client.resume()?;
     client.until_connected(CONNECT).await?;
     let all: Vec<StationId> = line.station_ids().collect();

@@ -220,7 +220,7 @@ impl Session {
         view.head = head;
         let works = line.stations.iter().flat_map(|s| &s.operations).map(|o| o.duration.as_secs_f64()).sum::<f64>();
         Ok(Session {
-            client: OperatorClient::open(line, ros, "run")?,
+            client: OperatorClient::open(line, &args.line, ros, "run")?,
             observer: BusObserver::new(line),
             frames,
             tally: RunTally::new(line),
