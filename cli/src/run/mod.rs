@@ -23,6 +23,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args as ClapArgs;
 use linewright_canopen::Frame;
+use linewright_coordinator_node::line::not_recorded;
 use linewright_fieldbus::{Bus as CanBus, BusError, BusOptions, OwnBuses};
 use linewright_line::{DeviceBus, Line};
 use linewright_msgs::StationState;
@@ -133,6 +134,13 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     let mut session = Session::open(&line, &args, &ros, &scratch.dir, &bus).await?;
     if !args.no_plant {
         scratch.machine_note(&line).into_iter().for_each(|note| session.note(note));
+    }
+    if let Some(dir) = args.state_dir.as_deref().filter(|_| cell.is_none()) {
+        for note in not_recorded(dir, &line) {
+            // It stands as long as the run, above the picture.
+            session.view.head.push(note.clone());
+            session.note(note);
+        }
     }
     session.cell = cell.map(|cell| CellRun::open(&line, &cell, PartList::sum(&args.parts), &ros)).transpose()?;
     let outcome = match start_all(&mut children, &line, &args, &ros, &scratch.dir, session.virtual_bus).await {
