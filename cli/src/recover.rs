@@ -112,7 +112,7 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
                 if let (Some(before), Some(now)) = (&before, &found) {
                     done.extend(newly_done(client.line(), before, now));
                 }
-                let commands = if screen.is_some() { Commands::OfFirst } else { Commands::OfAll };
+                let commands = if screen.is_some() { Commands::OfFirst } else { Commands::OfAllAgain };
                 let lines = picture(client, path, &done, found.as_ref(), commands);
                 match &mut screen {
                     Some(screen) => screen.show(&lines)?,
@@ -248,6 +248,8 @@ enum Commands {
     /// Of a picture that is drawn again after each step.
     OfFirst,
     OfAll,
+    /// Of a list that is printed again whenever it is another one.
+    OfAllAgain,
 }
 
 /// Known causes, by station.
@@ -273,6 +275,11 @@ fn comes_again(state: &StationState) -> bool {
     state.position_lost || state.stop_causes.iter().any(by_itself)
 }
 
+/// Whether a station was stopped by lost devices alone, which are there again.
+fn is_over_again(state: &StationState) -> bool {
+    state.stop_causes.contains(&StationState::CAUSE_DEVICES) && state.devices_valid && !comes_again(state)
+}
+
 /// The plan as lines of text.
 fn picture(
     client: &OperatorClient,
@@ -286,10 +293,18 @@ fn picture(
         Some(state) => vec![format!("{} — mode: {}", line.title, state.text)],
         None => vec![format!("{}: no state received from the coordinator: start it", line.title)],
     };
-    lines.extend(client.coordinator().and_then(refusal));
+    lines.extend(client.coordinator().and_then(|state| match commands {
+        Commands::OfAllAgain if state.refusal.is_empty() => None,
+        // Without its age, which makes no other list.
+        Commands::OfAllAgain => Some(format!("last refusal: {}", state.refusal)),
+        Commands::OfFirst | Commands::OfAll => refusal(state),
+    }));
     let is_over = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto && plan.steps.is_empty());
     let causes = if is_over { Vec::new() } else { causes(line, |id| client.station(id)) };
-    lines.extend(causes.iter().map(|(station, state)| format!("cause: {station}: {}", state.fault)));
+    lines.extend(causes.iter().map(|(station, state)| {
+        let over = if is_over_again(state) { " (over: they are there again)" } else { "" };
+        format!("cause: {station}: {}{over}", state.fault)
+    }));
     if causes.iter().any(|(_, state)| comes_again(state)) {
         lines.push("       remove what is still so of it first: it leads to the same fault again".to_owned());
     }
@@ -300,7 +315,7 @@ fn picture(
     for (at, step) in plan.steps.iter().enumerate() {
         lines.push(format!("{:>5}. {}", at + 1, step.text(line)));
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
-        if at == 0 || commands == Commands::OfAll {
+        if at == 0 || commands != Commands::OfFirst {
             lines.extend(typed(line, path, step).into_iter().map(|typed| format!("       {typed}")));
         }
         if at == 0 {
@@ -400,6 +415,8 @@ mod tests {
             assert_eq!(comes_again(&stopped), again);
         }
         let lost = StationState { stop_causes: vec![StationState::CAUSE_DEVICES], ..broken.clone() };
-        assert!(comes_again(&lost) && !comes_again(&StationState { devices_valid: true, ..lost }));
+        assert!(comes_again(&lost) && !is_over_again(&lost));
+        let there = StationState { devices_valid: true, ..lost };
+        assert!(!comes_again(&there) && is_over_again(&there));
     }
 }

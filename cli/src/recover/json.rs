@@ -61,6 +61,8 @@ impl LedJson {
 struct CauseJson {
     station: String,
     text: String,
+    /// It was a loss of devices, and they are there again.
+    over: bool,
 }
 
 /// One of its steps.
@@ -179,7 +181,10 @@ impl RecoveryJson {
             remarks: plan.map_or_else(|| client.other_descriptions(), |plan| plan.end_text(line)),
             causes: super::causes(line, |id| client.station(id))
                 .into_iter()
-                .map(|(station, state)| CauseJson { station: station.to_owned(), text: state.fault.clone() })
+                .map(|(station, state)| {
+                    let (text, over) = (state.fault.clone(), super::is_over_again(state));
+                    CauseJson { station: station.to_owned(), text, over }
+                })
                 .collect(),
             shortest: plan.is_some_and(|plan| plan.is_shortest),
             activities: plan

@@ -135,12 +135,11 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     if !args.no_plant {
         scratch.machine_note(&line).into_iter().for_each(|note| session.note(note));
     }
-    if let Some(dir) = args.state_dir.as_deref().filter(|_| cell.is_none()) {
-        for note in not_recorded(dir, &line) {
-            // It stands as long as the run, above the picture.
-            session.view.head.push(note.clone());
-            session.note(note);
-        }
+    let dir = args.state_dir.as_deref().filter(|_| cell.is_none());
+    if let Some(note) = dir.and_then(|dir| not_recorded(dir, &line)) {
+        // It stands as long as the run, above the picture.
+        session.view.head.push(note.clone());
+        session.note(note);
     }
     session.cell = cell.map(|cell| CellRun::open(&line, &cell, PartList::sum(&args.parts), &ros)).transpose()?;
     let outcome = match start_all(&mut children, &line, &args, &ros, &scratch.dir, session.virtual_bus).await {

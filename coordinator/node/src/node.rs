@@ -275,11 +275,11 @@ impl CoordinatorLoop {
                     tracing::info!("operator: {}", quoted(words.trim()));
                     self.handle(command);
                 }
-                Err(unknown) => self.refuse(unknown),
+                Err(unknown) => self.refuse(unknown, String::new()),
             },
             CoordinatorInbound::Buttons(names) => match self.buttons(&names) {
                 Ok(held) => self.handle(CoordinatorArrival::Buttons(held)),
-                Err(unknown) => self.refuse(unknown),
+                Err(unknown) => self.refuse(unknown, String::new()),
             },
             CoordinatorInbound::Resume { console, held } => {
                 self.handle(CoordinatorArrival::Resume { console, held });
@@ -330,8 +330,9 @@ impl CoordinatorLoop {
         Ok(held)
     }
 
-    fn refuse(&mut self, text: String) {
-        self.refusals.refuse(self.clock.now(), text);
+    /// `command`: the words of a command that is one.
+    fn refuse(&mut self, text: String, command: String) {
+        self.refusals.refuse(self.clock.now(), text, command);
         self.shell.answer_soon();
     }
 
@@ -440,7 +441,7 @@ impl CoordinatorLoop {
             Owner::Station(id) if !self.troubles[id.index()].is_empty() => self.troubles[id.index()].clone(),
             owner => in_words(&self.buses, owner),
         });
-        self.refuse(text);
+        self.refuse(text, refusal.command.words(&self.line));
     }
 
     fn send_inputs(&mut self, station: StationId, sequence: u64, image: InputsImage) {

@@ -129,6 +129,7 @@ pub fn line_state() -> LineState {
         left_out: vec!["s2".into(), "s3".into()],
         obstacles: vec!["second coordinator".into()],
         refusal: "s2 stands on manual".into(),
+        refused: "manual s2".into(),
         refusal_age_ms: 1500,
         refusals: 2,
         stations: vec!["s1".into(), "s2".into()],
