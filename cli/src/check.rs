@@ -11,6 +11,7 @@ mod explored;
 mod larger;
 mod report;
 mod show;
+mod slow;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -41,6 +42,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let nothing_of = |asked: Option<&'static str>, what: &str| {
         asked.map_or(Ok(()), |asked| Err(miette!("`{asked}` needs {what}; {} has none", args.line.display())))
     };
+    let slow = slow::SlowCheck::begin();
     let (mut report, line) = match &files.line {
         Some(file) => of_line(args, file, files.cell.is_some())?,
         None => {
@@ -52,6 +54,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         Some(file) => report.add(cell::judge(file, line.as_ref(), &args.options, args.json)?),
         None => nothing_of(args.options.of_cells(), "a cell")?,
     }
+    drop(slow);
     if args.json {
         crate::out::json(&report)?;
     } else {

@@ -3,7 +3,7 @@
 //! Shared by every subcommand that looks at a line or operates it. It uses the same topics as the stock tools, and only
 //! what the nodes publish.
 
-use std::collections::BTreeMap;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use linewright_fieldbus::Clock;
@@ -16,6 +16,8 @@ use linewright_node_shell::{
 use linewright_station_shell::NewestBySequence;
 use miette::miette;
 use tokio::sync::mpsc;
+
+use crate::described::OwnDescription;
 
 /// Something newer was heard.
 #[derive(Debug)]
@@ -65,33 +67,15 @@ impl<T> HeardNode<T> {
     }
 }
 
-/// Stations whose nodes run another description: the number of operations there, and the time of arrival of the state that has it.
-#[derive(Debug, Default)]
-struct OtherDescriptions(BTreeMap<StationId, (usize, Instant)>);
-
-impl OtherDescriptions {
-    /// A state has come, with this other number of operations; none where it fits.
-    fn hear(&mut self, id: StationId, runs: Option<usize>, at: Instant) {
-        match runs {
-            Some(runs) => _ = self.0.insert(id, (runs, at)),
-            None => _ = self.0.remove(&id),
-        }
-    }
-
-    /// Those of which a state has come lately.
-    fn fresh(&self, now: Instant, shown_for: Duration) -> impl Iterator<Item = (StationId, usize)> + '_ {
-        let fresh = self.0.iter().filter(move |(_, (_, at))| now.saturating_duration_since(*at) < shown_for);
-        fresh.map(|(&id, &(runs, _))| (id, runs))
-    }
-}
-
 /// An operator's connection to a line.
 pub struct OperatorClient {
     line: Line,
     from: mpsc::Receiver<RawState>,
     coordinator: HeardNode<LineState>,
     stations: Vec<HeardNode<StationState>>,
-    others: OtherDescriptions,
+    own: OwnDescription,
+    /// For each station the fingerprint of the description it was started with, and when that was received last.
+    described: Vec<Option<(u64, Instant)>>,
     clock: Clock,
     commands: Publisher<Text>,
     buttons: Publisher<Text>,
@@ -124,8 +108,8 @@ pub fn not_heard(of: &str, domain: u16) -> miette::Report {
 }
 
 impl OperatorClient {
-    /// Joins the ROS graph as `name`.
-    pub fn open(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<Self> {
+    /// Joins the ROS graph as `name`, for the line that was read from `path`.
+    pub fn open(line: &Line, path: &Path, ros: &RosArgs, name: &str) -> miette::Result<Self> {
         let failed = |error: TopicError| miette!("{error}");
         let (mut node, domain_id) = join(line, ros, name)?;
         let (to, from) = mpsc::channel(QUEUE);
@@ -142,7 +126,8 @@ impl OperatorClient {
             from,
             coordinator: HeardNode::new(line),
             stations: vec![HeardNode::new(line); line.stations.len()],
-            others: OtherDescriptions::default(),
+            own: OwnDescription::of(path, line),
+            described: vec![None; line.stations.len()],
             clock: Clock::start(),
             commands: node.publisher("mode_cmd", qos::command()).map_err(failed)?,
             buttons: node.publisher("buttons", qos::command()).map_err(failed)?,
@@ -184,24 +169,30 @@ impl OperatorClient {
         self.stations[id.index()].unheard_for(shown_for(&self.line))
     }
 
-    fn fresh_others(&self) -> impl Iterator<Item = (StationId, usize)> + '_ {
-        self.others.fresh(Instant::now(), shown_for(&self.line))
+    /// The fingerprints of the stations that are received, by station.
+    fn fingerprints(&self) -> impl Iterator<Item = (StationId, u64)> {
+        let of = |id: StationId| self.described[id.index()].filter(|(_, at)| at.elapsed() < shown_for(&self.line));
+        self.line.station_ids().filter_map(move |id| of(id).map(|(fingerprint, _)| (id, fingerprint)))
     }
 
-    /// A station whose node runs with another description than this one.
-    pub fn other_description(&self) -> Option<StationId> {
-        self.fresh_others().map(|(id, _)| id).next()
+    /// A station that was started with another description than this one.
+    pub fn other_station(&self) -> Option<StationId> {
+        self.fingerprints().find(|(_, of)| !self.own.is_of_station(*of)).map(|(id, _)| id)
     }
 
-    /// For each station whose node runs with another number of operations than the description here: a text with both numbers.
+    /// That the coordinator was started with another description than this one, and what to do.
+    pub fn other_coordinator(&self) -> Option<String> {
+        let stations: Vec<u64> = self.fingerprints().map(|(_, of)| of).collect();
+        self.own.of_coordinator(self.coordinator()?.description, &stations)
+    }
+
+    /// What runs with another description than this one, and what to do.
     pub fn other_descriptions(&self) -> Vec<String> {
-        let text = |(id, runs): (StationId, usize)| {
-            let station = self.line.station(id);
-            let here = station.operations.len();
-            let name = &station.name;
-            format!("{name} runs with another description: {runs} operations there, {here} in this one")
-        };
-        self.fresh_others().map(text).collect()
+        if let Some(text) = self.other_coordinator() {
+            return vec![text];
+        }
+        let others = self.fingerprints().filter(|(_, of)| !self.own.is_of_station(*of));
+        others.map(|(id, _)| self.own.of_station(&self.line.station(id).name)).collect()
     }
 
     /// The stations of which nothing fresh is heard.
@@ -235,7 +226,7 @@ impl OperatorClient {
             RawState::Station(state) => {
                 let id = self.line.station_named(&state.station)?;
                 let fits = state.done.len() == self.line.station(id).operations.len();
-                self.others.hear(id, (!fits).then_some(state.done.len()), Instant::now());
+                self.described[id.index()] = Some((state.description, Instant::now()));
                 let heard = &mut self.stations[id.index()];
                 let is_newer = fits && heard.offer(now, state.boot_id, state.sequence, *state);
                 is_newer.then_some(StateUpdate::Station(id))
@@ -256,7 +247,7 @@ impl OperatorClient {
             if is_all || Instant::now() >= deadline {
                 let is_any = self.coordinator().is_some()
                     || self.line.station_ids().any(is_heard)
-                    || self.other_description().is_some();
+                    || self.other_station().is_some();
                 return if is_any { Ok(is_all) } else { Err(self.not_found()) };
             }
             self.listen(Duration::from_millis(30)).await?;
@@ -310,7 +301,7 @@ impl OperatorClient {
         self.node.publisher(&topic, qos::command()).map_err(|error| miette!("{error}"))
     }
 
-    /// Waits until the coordinator is received and listens to commands.
+    /// Waits until the coordinator is received and listens to commands. Prints what runs with another description.
     pub async fn until_connected(&mut self, within: Duration) -> miette::Result<()> {
         let deadline = Instant::now() + within;
         while Instant::now() < deadline {
@@ -318,7 +309,9 @@ impl OperatorClient {
             let listens = self.node.subscription_count("mode_cmd").is_ok_and(|count| count > 0);
             if listens && self.coordinator().is_some() {
                 // Discovery is one-sided for a moment: let the other side find our publishers too.
-                return self.listen(Duration::from_millis(150)).await;
+                self.listen(Duration::from_millis(150)).await?;
+                self.other_descriptions().iter().for_each(|text| crate::out::complain!("{text}"));
+                return Ok(());
             }
         }
         Err(self.not_found())
@@ -327,25 +320,5 @@ impl OperatorClient {
     /// Error: no coordinator of this line is heard.
     pub fn not_found(&self) -> miette::Report {
         not_heard(&format!("line '{}'", self.line.name), self.domain_id)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_node_with_another_description_counts_while_it_is_heard() {
-        let (start, term) = (Instant::now(), Duration::from_secs(1));
-        let mut others = OtherDescriptions::default();
-        let at =
-            |others: &OtherDescriptions, ms| others.fresh(start + Duration::from_millis(ms), term).collect::<Vec<_>>();
-        others.hear(StationId(0), Some(7), start);
-        others.hear(StationId(1), Some(8), start);
-        assert_eq!(at(&others, 900), [(StationId(0), 7), (StationId(1), 8)]);
-        others.hear(StationId(1), Some(8), start + Duration::from_millis(800));
-        assert_eq!(at(&others, 1000), [(StationId(1), 8)]);
-        others.hear(StationId(1), None, start + Duration::from_millis(1100));
-        assert!(at(&others, 1100).is_empty());
     }
 }

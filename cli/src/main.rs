@@ -11,6 +11,7 @@ mod cell;
 mod chart;
 mod check;
 mod client;
+mod described;
 mod devices;
 mod expand;
 mod files;
@@ -244,9 +245,9 @@ mod tests {
     #[test]
     fn a_number_that_cannot_be_is_refused_as_a_number() {
         let seconds = refused(&["press", "LINE", "PB_2", "--for", "0.8 s"]);
-        assert!(seconds.contains("expected seconds from 0 to 3600, without a unit, e.g. 0.8"), "{seconds}");
+        assert!(seconds.contains("expected seconds above 0, up to 3600, without a unit, e.g. 0.8"), "{seconds}");
         let seconds = refused(&["press", "LINE", "PB_2", "--for", "-1"]);
-        assert!(seconds.contains("'-1' for '--for") && seconds.contains("from 0 to 3600"), "{seconds}");
+        assert!(seconds.contains("'-1' for '--for") && seconds.contains("above 0, up to 3600"), "{seconds}");
         for (words, place) in [
             (["run", "LINE", "--cycles", "-1"], "'-1' for '--cycles"),
             (["run", "LINE", "--cycles", "0"], "'0' for '--cycles"),

@@ -72,19 +72,25 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         return Err(miette!("--wait goes with stop: linewright mode {line} stop --wait"));
     }
     let single = args.station.as_deref().map(|name| single::meant(&line, name, command)).transpose()?;
-    let mut client = OperatorClient::open(&line, ros, "operator")?;
+    let mut client = OperatorClient::open(&line, &args.line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
+    let mut is_so = false;
     if let Some(command) = command {
         let refusals = client.coordinator().map_or(0, |state| state.refusals);
-        client.command(&single.map_or(command.name().to_owned(), |single| single.words(&line)));
+        let known = client.coordinator().filter(|_| single.is_none());
+        let before = known.and_then(|state| in_force::already(state, command));
+        // Obeyed, and nothing comes of it.
+        is_so = before.is_some() && known.is_some_and(|state| in_force::is_idle(state, command));
+        let words = single.map_or(command.name().to_owned(), |single| single.words(&line));
+        client.command(&words);
         let deadline = tokio::time::Instant::now() + ANSWER;
         while let Ok(heard) = tokio::time::timeout_at(deadline, client.next()).await {
             heard?;
-            // Another console's command may have been refused meanwhile.
-            if let Some(state) = client.coordinator()
-                && state.refusals > refusals
-                && state.refusal.starts_with(command.name())
-            {
+            if let Some(state) = client.coordinator().filter(|state| is_refused(state, &words, refusals)) {
+                is_so = before == Some(state.epoch);
+                if is_so {
+                    break;
+                }
                 crate::out::complain!("{}", state.refusal);
                 // What stands by already, or is at home, has nothing to stop.
                 if args.wait && matches!(state.mode, StationState::MODE_STANDBY | StationState::MODE_HOME) {
@@ -109,10 +115,19 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         Some(state) => crate::out::say!("{}", state.text),
         None => crate::out::complain!("no state received from the coordinator"),
     }
+    if is_so && missed.is_none() {
+        let name = command.map_or("it", ModeCommand::name);
+        crate::out::complain!("{name}: so it was already, nothing has changed");
+    }
     if let Some(why) = &missed {
         crate::out::complain!("{why}");
     }
     Ok(if state.is_some() && has_stopped && missed.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Whether this command was refused since there were so many refusals. Another console's may have been, which gives other words.
+fn is_refused(state: &LineState, words: &str, refusals: u64) -> bool {
+    state.refusals > refusals && state.refused == words
 }
 
 /// Buttons and positions of the selector at the panel of a station.
@@ -132,7 +147,7 @@ pub struct PressArgs {
     /// Station whose panel has the buttons.
     #[arg(long)]
     station: Option<String>,
-    /// Time to hold them, in seconds.
+    /// Time to hold them, in seconds: above 0, up to 3600.
     #[arg(long = "for", default_value_t = 1.0, value_parser = held_for)]
     seconds: f64,
     /// One JSON object on standard output.
@@ -141,8 +156,8 @@ pub struct PressArgs {
 }
 
 fn held_for(word: &str) -> Result<f64, String> {
-    let seconds = word.parse().ok().filter(|seconds| (0.0..=3600.0).contains(seconds));
-    seconds.ok_or_else(|| "expected seconds from 0 to 3600, without a unit, e.g. 0.8".to_owned())
+    let seconds = word.parse().ok().filter(|seconds| *seconds > 0.0 && *seconds <= 3600.0);
+    seconds.ok_or_else(|| "expected seconds above 0, up to 3600, without a unit, e.g. 0.8".to_owned())
 }
 
 /// `linewright press`
@@ -169,7 +184,7 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
             false => miette!("'{unknown}' is no button of the main console; it has {known}"),
         });
     }
-    let mut client = OperatorClient::open(line, ros, "operator")?;
+    let mut client = OperatorClient::open(line, &args.line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
     let names = args.buttons.join(" ");
     let stations = meant_by(line, &args.buttons);
@@ -200,7 +215,7 @@ async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs
     let [button] = args.buttons.as_slice() else {
         return Err(miette!("one button of a panel at a time: advance, return, manual or auto"));
     };
-    let mut client = OperatorClient::open(line, ros, "operator")?;
+    let mut client = OperatorClient::open(line, &args.line, ros, "operator")?;
     let outcome = match button.as_str() {
         "advance" | "return" => {
             let publisher = client.panel_button(id, button)?;

@@ -60,7 +60,7 @@ pub struct Args {
 /// `linewright recover`
 pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let (line, is_cell) = load::line_or_cell(&args.line)?;
-    let mut client = OperatorClient::open(&line, ros, "recover")?;
+    let mut client = OperatorClient::open(&line, &args.line, ros, "recover")?;
     let mut cell = is_cell.then(|| CellClient::open(&line, ros, "recover_cell")).transpose()?;
     if args.publish {
         return publish::run(&mut client, cell, &args.line.display().to_string()).await;
@@ -115,7 +115,7 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
                 if let (Some(before), Some(now)) = (&before, &found) {
                     done.extend(newly_done(client.line(), before, now));
                 }
-                let commands = if screen.is_some() { Commands::OfFirst } else { Commands::OfAll };
+                let commands = if screen.is_some() { Commands::OfFirst } else { Commands::OfAllAgain };
                 let lines = picture(client, path, &done, found.as_ref(), commands);
                 match &mut screen {
                     Some(screen) => screen.show(&lines)?,
@@ -166,16 +166,25 @@ impl NewestPlan {
     }
 }
 
-/// What is received now; none where the coordinator is not received.
+/// What is received now; none where the coordinator is not received, or was started with another description: what a plan by this one
+/// leads to is not known there.
 fn situation_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<LineSituation> {
+    if client.other_coordinator().is_some() {
+        return None;
+    }
     let line = client.line();
     let state = client.coordinator()?;
     let mode = mode_from_code(state.mode).ok()?;
-    let report =
-        |id| client.station(id).and_then(|state| report_from_message(line, state).ok()).map(|(_, report)| report);
+    // A station with another description is the misfit.
+    let report = |id| {
+        client
+            .station(id)
+            .and_then(|state| report_from_message((line, state.description), state).ok())
+            .map(|(_, report)| report)
+    };
     let stations = line.station_ids().map(report).collect();
     let mut situation = LineSituation::read(line, mode, state.enabled, standing(line, state), stations);
-    situation.misfit = client.other_description();
+    situation.misfit = client.other_station();
     if let Some(cell) = cell.and_then(CellClient::heard_lately) {
         (situation.alarms, situation.unsettled) = (alarms(line, cell), unsettled(cell));
     }
@@ -254,6 +263,8 @@ enum Commands {
     /// Of a picture that is drawn again after each step.
     OfFirst,
     OfAll,
+    /// Of a list that is printed again whenever it is another one.
+    OfAllAgain,
 }
 
 /// Known causes, by station.
@@ -279,6 +290,11 @@ fn comes_again(state: &StationState) -> bool {
     state.position_lost || state.stop_causes.iter().any(by_itself)
 }
 
+/// Whether a station was stopped by lost devices alone, which are there again.
+fn is_over_again(state: &StationState) -> bool {
+    state.stop_causes.contains(&StationState::CAUSE_DEVICES) && state.devices_valid && !comes_again(state)
+}
+
 /// The plan as lines of text.
 fn picture(
     client: &OperatorClient,
@@ -292,20 +308,29 @@ fn picture(
         Some(state) => vec![format!("{} — mode: {}", line.title, state.text)],
         None => vec![format!("{}: no state received from the coordinator: start it", line.title)],
     };
-    lines.extend(client.coordinator().and_then(refusal));
+    lines.extend(client.coordinator().and_then(|state| match commands {
+        Commands::OfAllAgain if state.refusal.is_empty() => None,
+        // Without its age, which makes no other list.
+        Commands::OfAllAgain => Some(format!("last refusal: {}", state.refusal)),
+        Commands::OfFirst | Commands::OfAll => refusal(state),
+    }));
     let is_over = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto && plan.steps.is_empty());
     let causes = if is_over { Vec::new() } else { causes(line, |id| client.station(id)) };
-    lines.extend(causes.iter().map(|(station, state)| format!("cause: {station}: {}", state.fault)));
+    lines.extend(causes.iter().map(|(station, state)| {
+        let over = if is_over_again(state) { " (over: they are there again)" } else { "" };
+        format!("cause: {station}: {}{over}", state.fault)
+    }));
     if causes.iter().any(|(_, state)| comes_again(state)) {
         lines.push("       remove what is still so of it first: it leads to the same fault again".to_owned());
     }
     lines.extend(done.iter().map(|text| format!(" done  {text}")));
+    lines.extend(client.other_descriptions());
     let Some(plan) = found else { return lines };
     lines.extend(plan.led.iter().map(|led| led.text(line)));
     for (at, step) in plan.steps.iter().enumerate() {
         lines.push(format!("{:>5}. {}", at + 1, step.text(line)));
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
-        if at == 0 || commands == Commands::OfAll {
+        if at == 0 || commands != Commands::OfFirst {
             lines.extend(typed(line, path, step).into_iter().map(|typed| format!("       {typed}")));
         }
         if at == 0 {
@@ -313,7 +338,6 @@ fn picture(
         }
     }
     lines.extend(plan.end_text(line));
-    lines.extend(client.other_descriptions());
     if !plan.is_shortest {
         lines.push("there may be a shorter way: the search was ended".to_owned());
     }
@@ -432,6 +456,8 @@ mod tests {
             assert_eq!(comes_again(&stopped), again);
         }
         let lost = StationState { stop_causes: vec![StationState::CAUSE_DEVICES], ..broken.clone() };
-        assert!(comes_again(&lost) && !comes_again(&StationState { devices_valid: true, ..lost }));
+        assert!(comes_again(&lost) && !is_over_again(&lost));
+        let there = StationState { devices_valid: true, ..lost };
+        assert!(!comes_again(&there) && is_over_again(&there));
     }
 }

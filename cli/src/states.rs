@@ -70,6 +70,8 @@ impl StationJson {
 pub struct LineJson {
     line: String,
     mode: Option<ModeJson>,
+    /// What was started with another description than this one.
+    other_descriptions: Vec<String>,
     stations: Vec<StationJson>,
     /// Of a flexible cell.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -82,6 +84,7 @@ impl LineJson {
         LineJson {
             line: line.name.clone(),
             mode: client.coordinator().map(ModeJson::of),
+            other_descriptions: client.other_descriptions(),
             stations: line
                 .station_ids()
                 .map(|id| StationJson::of(&line.station(id).name, client.station(id)))

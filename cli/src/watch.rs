@@ -43,7 +43,7 @@ pub struct Args {
 /// `linewright watch`
 pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let (line, is_cell) = load::line_or_cell(&args.line)?;
-    let mut client = OperatorClient::open(&line, ros, "watch")?;
+    let mut client = OperatorClient::open(&line, &args.line, ros, "watch")?;
     let mut cell = is_cell.then(|| CellClient::open(&line, ros, "watch_cell")).transpose()?;
     let mut view = WatchState::new(&line);
     if args.once || args.json || !std::io::stdout().is_terminal() {
@@ -210,6 +210,8 @@ impl WatchState {
     ) -> Vec<String> {
         let stations = self.line.station_ids().map(|id| (self.line.station(id).name.as_str(), client.station(id)));
         let mut states = mode(&self.line.title, client.coordinator(), client.coordinator_unheard_for(), width);
+        let others = client.other_descriptions();
+        states.splice(0..0, others.iter().flat_map(|text| wrapped(text, 4, width)));
         match cell {
             Some(cell) => {
                 let is_stopped = client.coordinator().is_some_and(|state| state.mode == StationState::MODE_ESTOP);

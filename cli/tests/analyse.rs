@@ -204,6 +204,8 @@ fn a_broken_file_is_explained_and_not_analysed() {
         assert_eq!(output.status.code(), Some(1), "{output:?}");
         assert!(text(&output.stdout).contains("no/such.pnml") || text(&output.stderr).contains("no/such.pnml"));
     }
+    let directory = linewright(&["analyse", &scratch.path(".")]);
+    assert!(text(&directory.stderr).contains("`linewright nets "), "{directory:?}");
 }
 
 #[test]

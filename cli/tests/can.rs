@@ -94,7 +94,16 @@ fn status_says_how_each_device_of_the_line_is() {
     assert_eq!((&nodes[1]["name"], &nodes[1]["operational"]), (&"transfer io".into(), &false.into()));
     assert!(nodes[1]["is"].as_str().is_some_and(|is| is.starts_with("pre-operational, a heartbeat every")), "{nodes}");
     let table = devices.can(&["status", &line]);
-    assert!(text(&table.stdout).contains("no manager on the bus"), "{table:?}");
+    let missing = "no manager on the bus test0 (node 7Fh), so devices are not started: the coordinator is missing";
+    assert!(text(&table.stdout).contains(missing), "{table:?}");
+    // Another line has devices with the same node ids.
+    let other = std::fs::read_to_string(shipped().join("line.toml")).expect("the shipped line is there");
+    let other = devices.scratch.file("line.toml", &other.replacen("\"transfer_line\"", "\"other_line\"", 1));
+    let refused = devices.refuses(&["status", &other]);
+    assert!(refused.contains("and this command is for line /other_line"), "{refused}");
+    // A bus on which nothing is.
+    let silent = devices.can(&["--bus", "test1", "status", &line]);
+    assert!(text(&silent.stdout).contains("neither plant nor coordinator of line /transfer_line"), "{silent:?}");
     devices.says(&["nmt", "start", "all"]);
     let after = devices.can(&["status", &line, "--json"]);
     assert_eq!(json(&after)["ok"], true, "{after:?}");

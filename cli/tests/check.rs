@@ -408,7 +408,7 @@ fn stations_that_may_run_ahead_are_a_warning_with_the_arrow_that_is_missing() {
     let message = warnings[0]["message"].as_str().unwrap_or_else(|| panic!("{output:?}"));
     assert!(message.starts_with("transfer may run ahead of clamp_1, mill_1 in auto without limit"), "{message}");
     let help = warnings[0]["help"].as_str().expect("it says what to do");
-    assert!(help.contains("`from = \"clamp_1: ") && help.contains("`lag = 1`"), "{help}");
+    assert!(help.contains("from = \"clamp_1: return clamp\", to = \"transfer: 1st lift\". "), "{help}");
     assert_eq!(warnings[0]["line"], Value::Null, "an arrow that is not there has no place");
     let shown = linewright(&["check", &file, "--structure"]);
     assert!(text(&shown.stdout).contains(&format!("\n! {message}\n  help: {help}\n")), "{shown:?}");

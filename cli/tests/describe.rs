@@ -172,6 +172,12 @@ fn what_is_asked_of_nothing_or_of_a_line_is_refused_with_the_reason() {
         text(&unknown.stderr).contains("no station 'clamp_9'; the line has transfer, clamp_1, mill_1"),
         "{unknown:?}"
     );
+    for words in [&["part", "7"][..], &["7"]] {
+        let part = linewright(&[&["why", &line], words].concat());
+        assert!(text(&part.stderr).contains(&format!("'{}' is a part, and ", words.join(" "))), "{part:?}");
+    }
+    let kind = new("line", &["--name", "x"]);
+    assert!(text(&kind.stderr).contains("linewright new transfer-line --name my_line"), "{kind:?}");
 }
 
 #[test]

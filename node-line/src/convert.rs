@@ -21,6 +21,9 @@ use crate::foreign::quoted;
 pub enum ConvertError {
     #[error("station '{}' is not in the description", quoted(.0))]
     Station(String),
+    /// The node was started with another description: its numbers have other meanings.
+    #[error("{station} runs with another description ({is:016x}) than this node ({expected:016x})")]
+    Description { station: String, is: u64, expected: u64 },
     /// A list has another length than the station has operations.
     #[error("{field} has {has} entries; {station} has {needs} operations")]
     Length { field: &'static str, station: String, has: usize, needs: usize },
@@ -101,7 +104,7 @@ pub fn cause_from_code(code: u8, (station, op): (StationId, OpId)) -> Result<Sto
     all.into_iter().find(|cause| cause_to_code(*cause) == code).ok_or(ConvertError::Cause(code))
 }
 
-/// Writes the controller's state into a message, all but header, boot id and sequence.
+/// Writes the controller's state into a message, all but header, boot id, sequence and description.
 pub fn report_to_message(line: &Line, controller: &Controller, now: linewright_line::Tick, message: &mut StationState) {
     let report = controller.report();
     let station = controller.station();
@@ -152,13 +155,22 @@ fn answer_to_message(line: &Line, own: StationId, answer: &AgreementAnswer) -> A
     }
 }
 
-/// Converts one station's message into the form of the controller and the coordinator.
+/// Converts one station's message into the form of the controller and the coordinator, whose line has the fingerprint
+/// `expected`.
 ///
 /// # Errors
-/// When the message does not fit the description.
-pub fn report_from_message(line: &Line, message: &StationState) -> Result<(StationId, StationReport), ConvertError> {
+/// When the message does not fit the description, or is from a node with another one. The station then counts as not received:
+/// nobody relies on its counts and positions, and no order names its start.
+pub fn report_from_message(
+    (line, expected): (&Line, u64),
+    message: &StationState,
+) -> Result<(StationId, StationReport), ConvertError> {
     let station = line.station_named(&message.station).ok_or_else(|| ConvertError::Station(message.station.clone()))?;
     let described = line.station(station);
+    let is = message.description;
+    if is != expected {
+        return Err(ConvertError::Description { station: described.name.clone(), is, expected });
+    }
     let needs = described.operations.len();
     for (field, has) in
         [("done", message.done.len()), ("started", message.started.len()), ("places", message.places.len())]

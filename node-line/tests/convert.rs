@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_line::{OpId, StationId, Tick, parse};
+use linewright_line::{Line, OpId, StationId, Tick, TransferLine, parse};
 use linewright_msgs::{ModeOrder, StationState};
 use linewright_node_line::{
-    ConvertError, cause_from_code, cause_to_code, mode_to_code, order_from_message, report_to_message,
+    ConvertError, cause_from_code, cause_to_code, mode_to_code, order_from_message, report_from_message,
+    report_to_message,
 };
 use linewright_station_logic::{Controller, Restore, StationInput, StationOutbox};
 
@@ -51,6 +52,21 @@ fn a_station_that_is_named_is_in_manual_while_the_others_are_in_auto() {
     assert_eq!(order(&estop, "robot").0, ControlMode::EStop);
     let stands_by = ModeOrder { mode: mode_to_code(ControlMode::StandBy), ..message };
     assert_eq!(order(&stands_by, "robot"), (ControlMode::StandBy, false, true));
+}
+
+/// As many operations of the same names, and another condition: its counts mean something else.
+#[test]
+fn the_state_of_a_station_with_another_description_is_not_taken() {
+    let text = TransferLine::default().text();
+    let line = |text: &str| parse("line.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+    let (own, other) = (line(&text), line(&text.replacen("lag = 1", "lag = 2", 1)));
+    let controller = Controller::new(&own, StationId(0), 7, Restore::Fresh).expect("it compiles");
+    let mut message = StationState { description: own.fingerprint(), boot_id: 7, ..StationState::default() };
+    report_to_message(&own, &controller, Tick::from_millis(1000), &mut message);
+    let taken = |line: &Line| report_from_message((line, line.fingerprint()), &message).map(|(station, _)| station);
+    assert_eq!(taken(&own), Ok(StationId(0)));
+    let (is, expected) = (own.fingerprint(), other.fingerprint());
+    assert_eq!(taken(&other), Err(ConvertError::Description { station: own.stations[0].name.clone(), is, expected }));
 }
 
 #[test]

@@ -176,6 +176,7 @@ fn state() -> StationState {
         boot_id: u64::MAX - 1,
         sequence: 1,
         station: "s1".into(),
+        description: u64::MAX - 2,
         done: vec![3, 2],
         started: vec![3, 3],
         places: vec![StationState::PLACE_COMPLETED, StationState::PLACE_INCOMPLETE],
@@ -198,7 +199,11 @@ fn wait_for_all(lines: impl Iterator<Item = std::io::Result<String>>) -> bool {
     let mut missing = vec![
         "latched-text stand-by".to_owned(),
         "volatile-text auto".to_owned(),
-        format!("state s1 {} [3, 2] [3, 2] [1] ['s2 is unknown'] 42 [('s2', 7, False, 'lift')]", u64::MAX - 1),
+        format!(
+            "state s1 {} {} [3, 2] [3, 2] [1] ['s2 is unknown'] 42 [('s2', 7, False, 'lift')]",
+            u64::MAX - 1,
+            u64::MAX - 2
+        ),
     ];
     for line in lines.map_while(Result::ok) {
         println!("Cyclone DDS heard: {line}");

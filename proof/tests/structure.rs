@@ -76,14 +76,51 @@ fn a_home_that_needs_what_is_not_done_is_found() {
     assert!(why.contains("`clamp_1: return clamp` counts as done"), "{why}");
 }
 
+/// The arrow that an advice writes out.
+fn advised(line: &Line, advice: &str) -> Arrow {
+    let value = |key: &str| advice.split_once(&format!("{key} = \"")).and_then(|(_, rest)| rest.split_once('"'));
+    let end = |key: &str| {
+        let (station, operation) = value(key).and_then(|(name, _)| name.split_once(": ")).expect(advice);
+        let id = line.station_named(station).expect(station);
+        (id, line.station(id).operation_named(operation).expect(operation))
+    };
+    let lag = advice.split_once("lag = ").map_or(0, |(_, rest)| rest[..1].parse().expect(advice));
+    Arrow { from: end("from"), to: end("to"), lag, auto: true, manual: true }
+}
+
 #[test]
-fn every_arrow_in_both_modes_is_needed_to_keep_the_conflicts_apart() {
+fn every_arrow_in_both_modes_is_needed_to_keep_the_conflicts_apart_and_the_advice_puts_it_back() {
     for index in 0..4 {
         let mut line = shipped(1);
         line.arrows.remove(index);
         let found: Vec<_> = line.conflicts.iter().filter_map(|conflict| separated(&line, conflict).err()).collect();
         assert!(!found.is_empty(), "without arrow {index} a conflict must be found");
-        assert!(found[0].to_string().contains("wait for"), "{}", found[0]);
+        let why = found[0].to_string();
+        assert!(why.contains("wait for"), "{why}");
+        let arrow = advised(&line, &why);
+        if let Some(ahead) = run_ahead(&line).first() {
+            assert_eq!(advised(&line, &ahead.help), arrow, "one arrow for both: {}", ahead.help);
+        }
+        line.arrows.push(arrow);
+        assert!(line.conflicts.iter().all(|conflict| separated(&line, conflict).is_ok()), "{why}");
+        assert_eq!(run_ahead(&line), []);
+        assert!(every_circuit_has_a_token(&line).is_ok() && home_is_consistent(&line).is_ok(), "{why}");
+    }
+}
+
+/// An arrow to the operation that hands on would leave those before it free.
+#[test]
+fn where_no_conflict_is_described_the_advice_holds_the_whole_cycle_back() {
+    for index in 1..4 {
+        let mut line = shipped(1);
+        line.conflicts.clear();
+        line.arrows.remove(index);
+        let help = run_ahead(&line).remove(0).help;
+        let arrow = advised(&line, &help);
+        assert_eq!((arrow.to.1, arrow.lag), (line.station(arrow.to.0).steps[0][0], 1), "{help}");
+        line.arrows.push(arrow);
+        assert_eq!(run_ahead(&line), []);
+        assert!(every_circuit_has_a_token(&line).is_ok() && home_is_consistent(&line).is_ok(), "{help}");
     }
 }
 
@@ -157,17 +194,10 @@ fn a_station_that_no_arrow_leads_back_to_runs_ahead_until_each_arrow_back_is_dra
         )
     };
     assert_eq!(texts(&line), [pair("transfer", "clamp_1, mill_1"), pair("transfer", "clamp_2, mill_2")]);
-    let help = &run_ahead(&line)[0].help;
-    let onward = *line.arrows.iter().find(|arrow| joins(&whole, arrow, "transfer", "clamp_1")).expect("one");
-    let [from, to] = [onward.to, onward.from]
-        .map(|(station, op)| format!("{}: {}", line.station(station).name, line.operation((station, op)).name));
-    assert!(help.contains(&format!("`from = \"{from}\"`, `to = \"{to}\"`, `lag = 1`")), "{help}");
     // As the advice is, for one clamp and then for the other.
-    let back = |of: Arrow| Arrow { from: of.to, to: of.from, lag: 1, ..of };
-    line.arrows.push(back(onward));
+    line.arrows.push(advised(&line, &run_ahead(&line)[0].help));
     assert_eq!(texts(&line), [pair("transfer, clamp_1, mill_1", "clamp_2, mill_2")]);
-    let onward = *line.arrows.iter().find(|arrow| joins(&whole, arrow, "transfer", "clamp_2")).expect("one");
-    line.arrows.push(back(onward));
+    line.arrows.push(advised(&line, &run_ahead(&line)[0].help));
     assert_eq!(texts(&line), [""; 0]);
     assert!(every_circuit_has_a_token(&line).is_ok());
 }

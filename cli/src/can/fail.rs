@@ -140,13 +140,14 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
         let (device, bit) = input(line, owner, &args.station, name)?;
         return Ok(vec![(device, InputFault::orders(bit, fault))]);
     }
-    let needed = if matches!(what, InjectedFault::Input(_)) { "--input" } else { "--operation" };
-    let orders = what.of_a_device().ok_or_else(|| miette!("{} needs {needed}", what.name()))?;
+    let orders = what.of_a_device().ok_or_else(|| needs(line, owner, args))?;
     let named = |device: &&Device| args.device.as_ref().is_none_or(|name| device.name == *name);
     let mut devices: Vec<&Device> = line.devices_of(owner).filter(named).collect();
     if devices.is_empty() {
         let known = quoted(line.devices_of(owner).map(|device| device.name.as_str()));
-        return Err(miette!("{} has no such device; it has {known}", args.station));
+        let name = args.device.as_deref().unwrap_or_default();
+        let error = miette!("{} has no device `{name}`; it has {known}", args.station);
+        return Err(load::or_meant(error, name, line.devices_of(owner).map(|device| device.name.as_str())));
     }
     match what {
         // What takes no faults has none.
@@ -156,6 +157,23 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
         _ => devices.truncate(1),
     }
     Ok(devices.into_iter().map(|device| (device, orders.clone())).collect())
+}
+
+/// Error: what has the fault is not named.
+fn needs(line: &Line, owner: Owner, args: &FailArgs) -> miette::Report {
+    let is_input = matches!(args.what, InjectedFault::Input(_));
+    let option = if is_input { "--input" } else { "--operation" };
+    let names: Vec<&str> = match owner {
+        Owner::Console if is_input => line.console.inputs.iter().map(String::as_str).collect(),
+        Owner::Console => Vec::new(),
+        Owner::Station(id) if is_input => line.station(id).inputs.iter().map(String::as_str).collect(),
+        Owner::Station(id) => line.station(id).operations.iter().map(|operation| operation.name.as_str()).collect(),
+    };
+    let help = match names.is_empty() {
+        true => format!("{} has none", args.station),
+        false => format!("one of {}", quoted(names.into_iter())),
+    };
+    miette!(help = help, "{} needs {option}", args.what.name())
 }
 
 fn owner(line: &Line, args: &FailArgs) -> miette::Result<Owner> {
@@ -173,7 +191,13 @@ fn input<'a>(line: &'a Line, owner: Owner, of: &str, name: &str) -> miette::Resu
     };
     let known = || quoted(inputs.iter().map(String::as_str));
     let at = inputs.iter().position(|input| input == name);
-    let at = InputId::at(at.ok_or_else(|| miette!("{of} has no input `{name}`; it has {}", known()))?);
+    let at = InputId::at(at.ok_or_else(|| {
+        load::or_meant(
+            miette!("{of} has no input `{name}`; it has {}", known()),
+            name,
+            inputs.iter().map(String::as_str),
+        )
+    })?);
     for device in line.devices_of(owner) {
         if let Some(bit) = device.input_bits().iter().position(|bound| *bound == Some(at)) {
             return Ok((device, u8::try_from(bit).into_diagnostic()?));
@@ -293,8 +317,9 @@ fn motion(line: &Line, args: &FailArgs) -> miette::Result<(StationId, OutputId)>
     let station = line.station(id);
     let name = args.operation.as_deref().unwrap_or_default();
     let op = station.operation_named(name).ok_or_else(|| {
-        let known = quoted(station.operations.iter().map(|o| o.name.as_str()));
-        miette!("{} has no operation `{name}`; it has {known}", args.station)
+        let known = || station.operations.iter().map(|o| o.name.as_str());
+        let error = miette!("{} has no operation `{name}`; it has {}", args.station, quoted(known()));
+        load::or_meant(error, name, known())
     })?;
     let operation = &station.operations[op.index()];
     match (&operation.module, args.recovery) {
@@ -356,8 +381,17 @@ mod tests {
         let names: Vec<&str> = all.iter().map(|(device, _)| device.name.as_str()).collect();
         assert_eq!(names, ["clamp 1 io", "clamp 1 more"]);
         assert!(all.iter().all(|(_, orders)| *orders == [CLEAR]));
-        let bare = orders(&line, &args("clamp_1", stuck)).expect_err("which input?").to_string();
-        assert_eq!(bare, "stuck-off needs --input");
+        let error = |args: &FailArgs| orders(&line, args).expect_err("it is refused");
+        let help = |error: &miette::Report| error.help().map(|help| help.to_string()).unwrap_or_default();
+        let bare = error(&args("clamp_1", stuck));
+        assert_eq!(bare.to_string(), "stuck-off needs --input");
+        assert!(help(&bare).starts_with("one of `LS_open`, `LS_closed`, "), "{bare:?}");
+        let bare = error(&args("clamp_1", InjectedFault::Motion(MotionFault::Stick)));
+        assert_eq!(bare.to_string(), "stick needs --operation");
+        assert!(help(&bare).contains("`advance clamp`"), "{bare:?}");
+        let operation = Some("advence clamp".to_owned());
+        let meant = FailArgs { operation, ..args("clamp_1", InjectedFault::Motion(MotionFault::Stick)) };
+        assert_eq!(help(&error(&meant)), "did you mean `advance clamp`?");
     }
 
     #[test]

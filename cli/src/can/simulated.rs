@@ -156,9 +156,22 @@ async fn part_of(bus: &mut Bus, node: NodeId, device: &Device, (line, run): (&st
     ))
 }
 
+/// Whether the devices on a virtual bus that no manager drives are of this line, by the first of them that answers.
+///
+/// # Errors
+/// When they are another line's.
+pub async fn are_own(bus: &mut Bus, device: &Device, (line, run): (&str, &str)) -> miette::Result<()> {
+    let Some(node) = device.node_id().and_then(NodeId::new) else { return Ok(()) };
+    let is_asked = sdo_client::read(bus, node, ObjectId::new(PART_OF_INDEX, 0), segments()).await.is_ok();
+    if is_asked { part_of(bus, node, device, (line, run)).await } else { Ok(()) }
+}
+
 /// Which run is looked for: each has virtual buses of its own.
 fn ran(run: &str) -> String {
-    format!("this command is for {run}; a run in another domain has other buses: set its ROS_DOMAIN_ID")
+    format!(
+        "this command is for {run}; a run in another domain, or one that was started with another LINEWRIGHT_BUS_DIR, has other buses: \
+         set what it has of both"
+    )
 }
 
 #[cfg(test)]

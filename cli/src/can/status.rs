@@ -15,6 +15,7 @@ use miette::IntoDiagnostic as _;
 use serde::Serialize;
 use tokio::time::{Instant, timeout_at};
 
+use super::simulated::are_own;
 use crate::load;
 
 /// Listen, and say how each device of a line is.
@@ -68,6 +69,31 @@ impl ListenedBus {
         Ok(())
     }
 
+    /// What is missing on a virtual bus without a manager.
+    ///
+    /// # Errors
+    /// When its devices are another line's.
+    async fn without_manager(&mut self, line: &Line, run: &str) -> miette::Result<Option<String>> {
+        if self.survey.node(MANAGER_NODE).is_some() {
+            return Ok(None);
+        }
+        if self.survey.nodes().next().is_none() {
+            return Ok(Some(format!(
+                "nothing was received on {}: neither plant nor coordinator of {run} is there; one that was started with another \
+                 LINEWRIGHT_BUS_DIR or in another ROS domain has other buses",
+                self.bus.describe()
+            )));
+        }
+        let heard = |device: &&Device| {
+            device.node_id().and_then(NodeId::new).is_some_and(|node| self.survey.node(node).is_some())
+        };
+        let first = line.devices_on(&self.interface).find(heard);
+        if let Some(device) = first {
+            are_own(&mut self.bus, device, (&line.name, run)).await?;
+        }
+        Ok(None)
+    }
+
     fn nodes(&self, line: &Line, now: Tick, listened: Duration) -> Vec<StatusNode> {
         let plain = self.plain.plain_statuses(now).map(|status| StatusNode {
             bus: Some(self.interface.clone()),
@@ -98,6 +124,10 @@ pub async fn run(bus: Option<&str>, args: &StatusArgs, ros: &RosArgs) -> miette:
     let listen = args.listen.map_or_else(|| long_enough(&line), Duration::from_millis);
     let (clock, until) = (Clock::start(), Instant::now() + listen);
     futures::future::try_join_all(buses.iter_mut().map(|bus| bus.listen(until, clock))).await?;
+    let mut notes = Vec::new();
+    for listened in buses.iter_mut().filter(|listened| listened.bus.is_virtual()) {
+        notes.extend(listened.without_manager(&line, &of_run).await?);
+    }
     let heard = buses.iter().flat_map(|bus| bus.nodes(&line, clock.now(), listen));
     let mut nodes: Vec<StatusNode> = heard.chain(nodes).collect();
     // A device in Modbus counts as one on the line's bus.
@@ -118,11 +148,12 @@ pub async fn run(bus: Option<&str>, args: &StatusArgs, ros: &RosArgs) -> miette:
         let describe: Vec<String> = buses.iter().map(|bus| bus.bus.describe()).collect();
         let told = serde_json::json!({
             "bus": describe.join(", "), "nodes": nodes, "frames_of_no_node": other, "bus_errors": bus_errors,
-            "ok": all_well,
+            "notes": notes, "ok": all_well,
         });
         crate::out::say!("{told}");
     } else {
         table(&nodes, buses.iter().map(|bus| bus.interface.as_str()), bus_errors);
+        notes.iter().for_each(|note| crate::out::say!("{note}"));
     }
     Ok(if all_well { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
@@ -213,7 +244,10 @@ fn table<'a>(nodes: &[StatusNode], buses: impl Iterator<Item = &'a str>, bus_err
         let is_here =
             |node: &StatusNode| node.bus.as_deref() == Some(interface) && node.node == Some(MANAGER_NODE.get());
         if !nodes.iter().any(is_here) {
-            crate::out::say!("no manager on the bus {interface} (node {MANAGER_NODE}): devices are not started");
+            crate::out::say!(
+                "no manager on the bus {interface} (node {MANAGER_NODE}), so devices are not started: the coordinator is missing, or the \
+                 station whose bus it is"
+            );
         }
     }
     if bus_errors > 0 {

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use linewright_line::{Line, StationId};
 use linewright_node_shell::RosArgs;
+use miette::miette;
 use serde_json::json;
 
 use super::CellClient;
@@ -38,6 +39,7 @@ pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let (mut reasons, mut stations) = (Vec::new(), Vec::new());
     match (about.is_empty(), is_cell) {
         (true, _) => stations.extend(line.station_ids()),
+        (false, false) if is_part(&about) => return Err(no_parts(&args, &line, &about)),
         (false, false) => stations.push(load::station(&line, &about)?),
         (false, true) => {
             stations.extend(station_of(&args, &line, &about)?.or(named));
@@ -52,10 +54,12 @@ pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         }
     }
     let mut lines = reasons.clone();
-    let mut objects = Vec::new();
+    let (mut objects, mut others) = (Vec::new(), Vec::new());
     if !stations.is_empty() {
-        let mut client = OperatorClient::open(&line, ros, "why_line")?;
+        let mut client = OperatorClient::open(&line, &args.line, ros, "why_line")?;
         client.until_all_heard(CONNECT).await?;
+        others = client.other_descriptions();
+        lines.splice(0..0, others.clone());
         if about.is_empty() {
             lines.extend(watch::mode(&line.title, client.coordinator(), client.coordinator_unheard_for(), usize::MAX));
         }
@@ -66,11 +70,29 @@ pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         }
     }
     if args.json {
-        out::json(&json!({ "about": about, "reasons": reasons, "stations": objects }))?;
+        out::json(&json!({ "about": about, "reasons": reasons, "other_descriptions": others, "stations": objects }))?;
     } else {
         say!("{}", lines.join("\n"));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Whether this is how a part is named.
+fn is_part(about: &str) -> bool {
+    let number = about.strip_prefix("part").map_or(about, str::trim_start);
+    !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit())
+}
+
+fn no_parts(args: &WhyArgs, line: &Line, about: &str) -> miette::Report {
+    let path = out::shell_word(&args.line.display().to_string());
+    let stations: Vec<&str> = line.stations.iter().map(|station| station.name.as_str()).collect();
+    miette!(
+        help = format!(
+            "`linewright why {path}` shows what every station waits for; of one: `linewright why {path} STATION`, of {}",
+            stations.join(", ")
+        ),
+        "'{about}' is a part, and {path} is a line: parts, production orders and resources are those of a flexible cell"
+    )
 }
 
 /// The station of a resource of that name, if there are both.

@@ -20,6 +20,9 @@ pub struct Args {
     kind: NewKind,
 }
 
+/// The names of the kinds.
+const KINDS: [&str; 3] = ["transfer-line", "rotary-table", "cell"];
+
 #[derive(Debug, Subcommand)]
 enum NewKind {
     /// A line: a transfer bar with a number of clamp-and-mill pairs along it.
@@ -28,6 +31,9 @@ enum NewKind {
     RotaryTable(NewTarget),
     /// A flexible cell: a rack, a washer, a dryer, and a robot that carries parts between them.
     Cell(NewTarget),
+    /// None of these.
+    #[command(external_subcommand)]
+    Other(Vec<String>),
 }
 
 #[derive(Debug, clap::Args)]
@@ -100,8 +106,22 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
             let dir = place.write("washing-cell", &[("cell.toml", cell), ("line.toml", line)])?;
             next(&dir, " --parts bowl=3");
         }
+        NewKind::Other(words) => return Err(no_kind(words)),
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn no_kind(words: &[String]) -> miette::Report {
+    let word = words.first().map_or("", String::as_str);
+    let meant = linewright_text::nearest(word, KINDS);
+    let meant = meant.map_or_else(String::new, |kind| format!("did you mean `{kind}`? "));
+    miette!(
+        help = format!(
+            "{meant}for example `linewright new transfer-line --name my_line`; what each is: `linewright new --help`"
+        ),
+        "there is no '{word}' to begin with; there are {}",
+        KINDS.join(", ")
+    )
 }
 
 /// Prints the next steps.

@@ -27,9 +27,20 @@ fn at_manual(client: &OperatorClient) -> Vec<usize> {
     client.line().station_ids().filter(|&id| is_manual(id)).map(linewright_line::StationId::index).collect()
 }
 
-fn missed(line: &Line, command: ModeCommand, state: &LineState, at_manual: &[usize]) -> Option<String> {
+/// The epoch in which a command that leads where the line is already is given; none where it leads elsewhere.
+pub fn already(state: &LineState, command: ModeCommand) -> Option<u64> {
+    is_there(state, command).then_some(state.epoch)
+}
+
+/// Whether a command that is obeyed changes nothing: `start` in auto that is not being stopped.
+pub fn is_idle(state: &LineState, command: ModeCommand) -> bool {
+    command == ModeCommand::Start && state.mode == StationState::MODE_AUTO && !state.master_stop
+}
+
+/// Whether the line is where a command leads to.
+fn is_there(state: &LineState, command: ModeCommand) -> bool {
     use StationState as S;
-    let is_there = match command {
+    match command {
         ModeCommand::Start => matches!(state.mode, S::MODE_STANDBY | S::MODE_AUTO) && !state.master_stop,
         // Under way in auto; in stand-by where a station is away from home.
         ModeCommand::Stop => {
@@ -39,9 +50,13 @@ fn missed(line: &Line, command: ModeCommand, state: &LineState, at_manual: &[usi
         ModeCommand::Hand => state.mode == S::MODE_HAND,
         ModeCommand::Manual => state.mode == S::MODE_MANUAL,
         ModeCommand::EStop => state.mode == S::MODE_ESTOP,
-        ModeCommand::Reset => state.mode != S::MODE_ESTOP || !state.text.contains(", not reset"),
-    };
-    if is_there {
+        ModeCommand::Reset => state.mode != S::MODE_ESTOP || !state.estop_latched,
+    }
+}
+
+fn missed(line: &Line, command: ModeCommand, state: &LineState, at_manual: &[usize]) -> Option<String> {
+    use StationState as S;
+    if is_there(state, command) {
         return None;
     }
     let mode = mode_name(state.mode);
@@ -86,8 +101,8 @@ mod tests {
         ] {
             assert_eq!(missed(&line, command, &state(mode, master_stop, text), &[]), None, "{}", command.name());
         }
-        let latched =
-            state(StationState::MODE_ESTOP, false, "e-stop (command estop), not reset; give reset, then manual");
+        let text = "e-stop (command estop), not reset; give reset, then manual";
+        let latched = LineState { estop_latched: true, ..state(StationState::MODE_ESTOP, false, text) };
         assert!(missed(&line, ModeCommand::Reset, &latched, &[]).is_some());
     }
 }

@@ -50,7 +50,7 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     }
     let at =
         args.rest.as_ref().map(|rest| format!("{REJOIN_AT_REST}{rest}")).or(args.within.clone()).unwrap_or_default();
-    let mut client = OperatorClient::open(&line, ros, "operator")?;
+    let mut client = OperatorClient::open(&line, &args.line, ros, "operator")?;
     let publisher = client.rejoin(id)?;
     client.until_connected(CONNECT).await?;
     client.listen(ANSWER).await?;

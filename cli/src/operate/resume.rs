@@ -6,14 +6,14 @@ use linewright_line::{Line, StationId};
 use linewright_msgs::{Flag, StationState};
 use linewright_node_shell::RosArgs;
 
-use super::{CONNECT, PressArgs, PressOutcome, answer, hold, until_mode};
+use super::{CONNECT, PressArgs, PressOutcome, answer, hold, is_refused, until_mode};
 use crate::client::OperatorClient;
 
 /// The word on the command line. A hand-mode button of this name comes first.
 pub const RESUME: &str = "resume";
 
 pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
-    let mut client = OperatorClient::open(line, ros, "operator")?;
+    let mut client = OperatorClient::open(line, &args.line, ros, "operator")?;
     let publisher = client.resume()?;
     client.until_connected(CONNECT).await?;
     let all: Vec<StationId> = line.station_ids().collect();
@@ -30,9 +30,8 @@ pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Resu
     let before = client.coordinator().map_or(0, |state| state.refusals);
     let say = |_: &OperatorClient, held| publisher.send(Flag { data: held });
     let outcome = hold(&mut client, (args.seconds, true), &stations, say).await?;
-    let refusal = client.coordinator().filter(|state| state.refusals > before).map(|state| state.refusal.clone());
-    let outcome = match refusal.as_deref().and_then(|text| text.strip_prefix("resume refused in ")) {
-        Some(why) => PressOutcome::Refused(why.to_owned()),
+    let outcome = match client.coordinator().filter(|state| is_refused(state, RESUME, before)) {
+        Some(state) => PressOutcome::Refused(state.refusal.clone()),
         None => outcome,
     };
     answer(&client, args, &stations, outcome)

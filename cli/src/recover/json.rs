@@ -19,7 +19,7 @@ pub struct RecoveryJson {
     line: String,
     mode: Option<ModeJson>,
     not_heard: Vec<String>,
-    /// `auto`, `look again`, `no way`; null where the coordinator is not heard.
+    /// `auto`, `look again`, `no way`; null where the coordinator is not heard, or was started with another description.
     end: Option<&'static str>,
     /// What is to be known of an end that is not auto.
     remarks: Vec<String>,
@@ -61,6 +61,8 @@ impl LedJson {
 struct CauseJson {
     station: String,
     text: String,
+    /// It was a loss of devices, and they are there again.
+    over: bool,
 }
 
 /// One of its steps.
@@ -176,10 +178,13 @@ impl RecoveryJson {
             mode: client.coordinator().map(ModeJson::of),
             not_heard: client.unheard().map(str::to_owned).collect(),
             end: plan.map(end),
-            remarks: plan.map(|plan| plan.end_text(line)).unwrap_or_default(),
+            remarks: plan.map_or_else(|| client.other_descriptions(), |plan| plan.end_text(line)),
             causes: super::causes(line, |id| client.station(id))
                 .into_iter()
-                .map(|(station, state)| CauseJson { station: station.to_owned(), text: state.fault.clone() })
+                .map(|(station, state)| {
+                    let (text, over) = (state.fault.clone(), super::is_over_again(state));
+                    CauseJson { station: station.to_owned(), text, over }
+                })
                 .collect(),
             shortest: plan.is_some_and(|plan| plan.is_shortest),
             activities: plan

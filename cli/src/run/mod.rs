@@ -23,6 +23,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args as ClapArgs;
 use linewright_canopen::Frame;
+use linewright_coordinator_node::line::not_recorded;
 use linewright_fieldbus::{Bus as CanBus, BusError, BusOptions, OwnBuses};
 use linewright_line::{DeviceBus, Line};
 use linewright_msgs::StationState;
@@ -134,6 +135,12 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     if !args.no_plant {
         scratch.machine_note(&line).into_iter().for_each(|note| session.note(note));
     }
+    let dir = args.state_dir.as_deref().filter(|_| cell.is_none());
+    if let Some(note) = dir.and_then(|dir| not_recorded(dir, &line)) {
+        // It stands as long as the run, above the picture.
+        session.view.head.push(note.clone());
+        session.note(note);
+    }
     session.cell = cell.map(|cell| CellRun::open(&line, &cell, PartList::sum(&args.parts), &ros)).transpose()?;
     let outcome = match start_all(&mut children, &line, &args, &ros, &scratch.dir, session.virtual_bus).await {
         Ok(()) => session.drive(&mut children).await,
@@ -220,7 +227,7 @@ impl Session {
         view.head = head;
         let works = line.stations.iter().flat_map(|s| &s.operations).map(|o| o.duration.as_secs_f64()).sum::<f64>();
         Ok(Session {
-            client: OperatorClient::open(line, ros, "run")?,
+            client: OperatorClient::open(line, &args.line, ros, "run")?,
             observer: BusObserver::new(line),
             frames,
             tally: RunTally::new(line),

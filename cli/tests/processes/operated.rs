@@ -135,6 +135,10 @@ fn two_commands_lead_to_manual_from_wherever_the_line_is(rig: &Rig, operator: &O
         let manual = rig.said(&["mode"], &["manual"]).expect("it is obeyed at home");
         assert!(manual.starts_with("manual"), "{manual}");
     }
+    // What is so already is no failure, and is said.
+    let again = rig.command(&["mode"], &["manual"]).output().expect("the command starts");
+    assert!(again.status.success(), "{again:?}");
+    assert!(String::from_utf8_lossy(&again.stderr).contains("manual: so it was already"), "{again:?}");
     let odd = rig.said(&["mode"], &["auto", "--wait"]).expect_err("there is nothing to wait for");
     assert!(odd.contains("--wait goes with stop"), "{odd}");
 }

@@ -167,9 +167,35 @@ fn after_the_coordinator_was_killed_one_button_leads_every_station_on() {
     let moved: Vec<&Value> =
         first["steps"][1]["moves"].as_array().expect("a list").iter().map(|of| &of["station"]).collect();
     assert_eq!(moved, ["transfer", "mill_1"], "{first}");
+    a_changed_description_is_named_and_not_planned_with(&rig);
     let now = type_it(&rig, first);
     assert_eq!(now["mode"]["mode"], "auto", "{now}");
     operator.cycles(1);
     operator.go_home();
     rig.ends_well(1);
+}
+
+/// As many operations of the same names: only the fingerprint differs.
+fn a_changed_description_is_named_and_not_planned_with(rig: &Rig) {
+    rig.change("line.toml", &[("stale_ms = 1000", "stale_ms = 900")]);
+    let named = "the running line was started with another description than ";
+    let said = |words: &[&str], more: &[&str]| {
+        let output = rig.command(words, more).output().expect("the command starts");
+        let text = [output.stdout, output.stderr].concat();
+        (output.status.success(), String::from_utf8(text).expect("text"))
+    };
+    for (words, more, succeeds) in [
+        ("recover", &["--once"][..], false),
+        ("recover", &["--json"], false),
+        ("watch", &["--once"], true),
+        ("watch", &["--json"], true),
+        ("mode", &[], true),
+        ("why", &[], true),
+    ] {
+        let (is_success, text) = said(&[words], more);
+        assert!(text.contains(named) && is_success == succeeds, "{words}: {text}");
+        assert!(words != "recover" || !text.contains("resume"), "{text}");
+    }
+    rig.change("line.toml", &[("stale_ms = 900", "stale_ms = 1000")]);
+    assert!(!said(&["mode"], &[]).1.contains(named));
 }

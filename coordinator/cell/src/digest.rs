@@ -4,13 +4,15 @@
 //! the net, on the names of its modes and cells, and on the stations' orders; it does not depend on times and limits,
 //! which may be changed between two lives of a coordinator: what is in progress then has the new ones.
 
+use linewright_line::Fnv;
+
 use super::plan::{ActivityTiming, CellKind, PartPick, TaskParameterValue};
 use super::table::CellTable;
 
 impl CellTable {
     /// Equal for tables whose records mean the same; otherwise different, except in one case in 2⁶⁴.
     pub fn digest(&self) -> u64 {
-        let mut sum = Fnv(0xCBF2_9CE4_8422_2325);
+        let mut sum = Fnv::default();
         sum.number(self.cell_count() as u64);
         for cell in self.cells() {
             sum.text(self.cell_name(cell));
@@ -70,27 +72,6 @@ impl CellTable {
         for resource in &self.handling().resources {
             sum.text(&resource.name);
         }
-        sum.0
-    }
-}
-
-/// FNV-1a, which is short, and the same everywhere and for ever.
-struct Fnv(u64);
-
-impl Fnv {
-    fn bytes(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
-        }
-    }
-
-    fn number(&mut self, number: u64) {
-        self.bytes(&number.to_le_bytes());
-    }
-
-    /// With its length, so that two texts never look like two others.
-    fn text(&mut self, text: &str) {
-        self.number(text.len() as u64);
-        self.bytes(text.as_bytes());
+        sum.sum()
     }
 }

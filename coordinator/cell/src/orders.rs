@@ -114,6 +114,8 @@ pub struct TaskReport {
     pub unable: Option<StationUnavailable>,
     /// Whether there is a part where its sensor looks.
     pub presence: Presence,
+    /// Of the inputs that its operations wait for, those that are known to be off, by their bits.
+    pub off: u128,
 }
 
 impl TaskReport {

@@ -8,7 +8,7 @@ use rusqlite::{Connection, OpenFlags};
 
 use crate::error::at;
 use crate::event::{EventKind, HistoryEvent, whole};
-use crate::writer::{PATIENCE, number, read_about};
+use crate::writer::{PATIENCE, fits, number, read_about};
 use crate::{About, HistoryError, Note, RemovedPart, retention, schema};
 
 /// A database as it was when it was opened, whatever is written meanwhile.
@@ -45,6 +45,14 @@ impl HistoryReader {
 
     pub fn about(&self) -> &About {
         &self.about
+    }
+
+    /// Whether a coordinator of what is `expected` goes on with this database.
+    ///
+    /// # Errors
+    /// When it is about something else.
+    pub fn fits(&self, expected: impl Into<About>) -> Result<(), HistoryError> {
+        fits(&self.path, &self.about, &expected.into())
     }
 
     /// The part that was removed, since it was older than what has to be kept; none if nothing was.

@@ -83,6 +83,12 @@ enum Under {
     Other,
 }
 
+/// Whether a database that is about `is` can be used for `expected`.
+pub(crate) fn fits(path: &Path, is: &About, expected: &About) -> Result<(), HistoryError> {
+    let other = |(is, expected)| HistoryError::Other { path: path.to_owned(), is, expected };
+    is.difference(expected).map_or(Ok(()), |difference| Err(other(difference)))
+}
+
 impl History {
     /// Makes a new database.
     ///
@@ -117,10 +123,7 @@ impl History {
             schema::create(&change, path)?;
         } else {
             schema::check(&change, path)?;
-            let is = read_about(&change, path)?;
-            if let Some((is, expected)) = is.difference(about) {
-                return Err(HistoryError::Other { path: path.to_owned(), is, expected });
-            }
+            fits(path, &read_about(&change, path)?, about)?;
         }
         write_about(&change, path, about)?;
         change.commit().map_err(failed)?;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_line::{OpId, StationId};
+use linewright_line::{Line, OpId, StationId};
 
 use crate::decision::ModeCommand;
 
@@ -110,6 +110,14 @@ impl OperatorCommand {
             OperatorCommand::Single(_, true) => ModeCommand::Manual.name(),
             OperatorCommand::Single(_, false) => ModeCommand::Auto.name(),
             OperatorCommand::Resume => "resume",
+        }
+    }
+
+    /// The words in which it is given.
+    pub fn words(self, line: &Line) -> String {
+        match self {
+            OperatorCommand::Single(station, _) => format!("{} {}", self.name(), line.station(station).name),
+            OperatorCommand::Mode(_) | OperatorCommand::Resume => self.name().to_owned(),
         }
     }
 }

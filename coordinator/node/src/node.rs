@@ -105,8 +105,25 @@ pub(crate) enum Recorded {
     Interrupted,
 }
 
+/// Fingerprints of what the coordinator was started with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fingerprints {
+    /// Of the line alone, which is what stations are started with.
+    line: u64,
+    /// Of the cell with its line; of the line where there is none.
+    pub(crate) whole: u64,
+}
+
+impl Fingerprints {
+    fn of(line: &Line, cell: Option<&Cell>) -> Self {
+        let own = line.fingerprint();
+        Fingerprints { line: own, whole: cell.map_or(own, |cell| cell.fingerprint(line)) }
+    }
+}
+
 pub(crate) struct CoordinatorLoop {
     pub(crate) line: Line,
+    pub(crate) descriptions: Fingerprints,
     pub(crate) clock: Clock,
     pub(crate) shell: CoordinatorShell,
     /// Effects to be performed, in this order.
@@ -146,6 +163,7 @@ impl Drop for CoordinatorLoop {
 impl CoordinatorLoop {
     fn start(options: CoordinatorOptions, participant: &Participant) -> Result<Self, CoordinatorNodeError> {
         let CoordinatorOptions { line, cell, interface, state_dir, retention, bus, clock } = options;
+        let descriptions = Fingerprints::of(&line, cell.as_ref());
         let (journal, record) = match &state_dir {
             Some(dir) => {
                 let path = dir.join("coordinator.journal");
@@ -194,6 +212,7 @@ impl CoordinatorLoop {
             has_ended: false,
             clock,
             line,
+            descriptions,
             _node: node,
         })
     }
@@ -256,11 +275,11 @@ impl CoordinatorLoop {
                     tracing::info!("operator: {}", quoted(words.trim()));
                     self.handle(command);
                 }
-                Err(unknown) => self.refuse(unknown),
+                Err(unknown) => self.refuse(unknown, String::new()),
             },
             CoordinatorInbound::Buttons(names) => match self.buttons(&names) {
                 Ok(held) => self.handle(CoordinatorArrival::Buttons(held)),
-                Err(unknown) => self.refuse(unknown),
+                Err(unknown) => self.refuse(unknown, String::new()),
             },
             CoordinatorInbound::Resume { console, held } => {
                 self.handle(CoordinatorArrival::Resume { console, held });
@@ -268,20 +287,23 @@ impl CoordinatorLoop {
             CoordinatorInbound::Order { boot_id, sequence } => {
                 self.handle(CoordinatorArrival::Order { boot_id, sequence })
             }
-            CoordinatorInbound::State(message) => match report_from_message(&self.line, &message) {
-                Ok((station, report)) => {
-                    let (sequence, follows) = (message.sequence, message.coordinator_boot_id);
-                    if let Some(history) = &mut self.history {
-                        history.state(self.clock.now(), station, &message);
+            CoordinatorInbound::State(message) => {
+                match report_from_message((&self.line, self.descriptions.line), &message) {
+                    Ok((station, report)) => {
+                        let (sequence, follows) = (message.sequence, message.coordinator_boot_id);
+                        if let Some(history) = &mut self.history {
+                            history.state(self.clock.now(), station, &message);
+                        }
+                        let heard = StationView { follows, ..heard(&report) };
+                        if !self.shell.handle(self.clock.now(), CoordinatorArrival::State { station, sequence, heard })
+                        {
+                            let (epoch, name) = (heard.mode_epoch, &message.station);
+                            self.ignore(format_args!("mode epoch {epoch} of {name} is beyond any: start it again"));
+                        }
                     }
-                    let heard = StationView { follows, ..heard(&report) };
-                    if !self.shell.handle(self.clock.now(), CoordinatorArrival::State { station, sequence, heard }) {
-                        let (epoch, name) = (heard.mode_epoch, &message.station);
-                        self.ignore(format_args!("mode epoch {epoch} of {name} is beyond any: start it again"));
-                    }
+                    Err(error) => self.ignore(error),
                 }
-                Err(error) => self.ignore(error),
-            },
+            }
             CoordinatorInbound::Trouble(station, text) => self.troubles[station.index()] = text,
             CoordinatorInbound::Outputs(station, message) => {
                 let image = OutputImage {
@@ -308,8 +330,9 @@ impl CoordinatorLoop {
         Ok(held)
     }
 
-    fn refuse(&mut self, text: String) {
-        self.refusals.refuse(self.clock.now(), text);
+    /// `command`: the words of a command that is one.
+    fn refuse(&mut self, text: String, command: String) {
+        self.refusals.refuse(self.clock.now(), text, command);
         self.shell.answer_soon();
     }
 
@@ -418,7 +441,7 @@ impl CoordinatorLoop {
             Owner::Station(id) if !self.troubles[id.index()].is_empty() => self.troubles[id.index()].clone(),
             owner => in_words(&self.buses, owner),
         });
-        self.refuse(text);
+        self.refuse(text, refusal.command.words(&self.line));
     }
 
     fn send_inputs(&mut self, station: StationId, sequence: u64, image: InputsImage) {

@@ -65,6 +65,7 @@ impl CoordinatorLoop {
             header: stamp(),
             boot_id: self.shell.boot_id(),
             sequence,
+            description: self.descriptions.whole,
             epoch: order.epoch,
             mode: mode_to_code(order.mode),
             enabled: order.enabled,

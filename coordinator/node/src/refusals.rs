@@ -16,12 +16,14 @@ pub struct Refusals {
     /// Since the coordinator started.
     pub count: u64,
     text: String,
+    /// The command that was refused, in its words.
+    command: String,
     at: Tick,
     log_due: Tick,
 }
 
 impl Refusals {
-    pub fn refuse(&mut self, now: Tick, text: String) {
+    pub fn refuse(&mut self, now: Tick, text: String, command: String) {
         self.count += 1;
         if now >= self.log_due {
             self.log_due = now + LOGGED_EVERY;
@@ -29,6 +31,7 @@ impl Refusals {
         }
         // With many devices lost there is more to say than a message carries.
         self.text = fitting(text);
+        self.command = command;
         self.at = now;
     }
 
@@ -41,6 +44,7 @@ impl Refusals {
     pub fn message(&self, now: Tick, message: LineState) -> LineState {
         let (text, age) = self.standing(now);
         LineState {
+            refused: if text.is_empty() { String::new() } else { self.command.clone() },
             refusal: text.to_owned(),
             refusal_age_ms: u32::try_from(age.as_millis()).unwrap_or(u32::MAX),
             refusals: self.count,

@@ -1,7 +1,9 @@
 //! Notes on a station from one of its states to the next, and those in the database of a line.
 
+use std::path::Path;
+
 use linewright_coordinator_logic::CompletedCycle;
-use linewright_coordinator_node::line::{LineHistory, StationObserver};
+use linewright_coordinator_node::line::{LineHistory, StationObserver, not_recorded};
 use linewright_coordinator_node::{LineSituation, fault_note};
 use linewright_history::{About, EventKind, History, HistoryReader, LineAbout, MotionOutcome, Note, TimeBase};
 use linewright_line::net::ControlMode;
@@ -157,6 +159,23 @@ fn the_database_of_a_line_begins_with_how_everything_stands_in_each_life() {
         Note::Observed {},
     ];
     assert_eq!(notes, expected);
+    drop(reader);
+    another_is_not_recorded_in_it(dir.path(), line);
+}
+
+/// Names of operations are what rows mean: with others it is not gone on with.
+fn another_is_not_recorded_in_it(dir: &Path, mut line: Line) {
+    line.stations[0].operations[0].duration *= 2;
+    assert_eq!(not_recorded(dir, &line), None, "planned times may differ");
+    line.stations[0].operations[0].name = "1st raise".to_owned();
+    assert_eq!(not_recorded(&dir.join("new"), &line), None, "one is begun there");
+    let expected = format!(
+        "nothing of this run is recorded: database {} is about line `{}` with other stations or operations, not about its description; \
+         move it away to begin a new one",
+        dir.join("line.db").display(),
+        line.name
+    );
+    assert_eq!(not_recorded(dir, &line), Some(expected));
 }
 
 fn of(line: &Line, station: u16) -> StationState {

@@ -7,6 +7,7 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_coordinator_node::{Refusals, StopTime, command_of, record_of, remembered};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorRecord};
 use linewright_line::{StationId, Tick};
+use linewright_msgs::LineState;
 use linewright_testkit::built::transfer_line;
 
 #[test]
@@ -35,12 +36,15 @@ fn one_station_is_named_after_manual_or_auto() {
 fn a_refusal_stands_with_its_age_until_something_ends_it_or_half_a_minute_is_over() {
     let mut refusals = Refusals::default();
     let at = Tick::from_millis;
-    refusals.refuse(at(1000), "hand refused in auto".to_owned());
+    refusals.refuse(at(1000), "hand refused in auto".to_owned(), "hand".to_owned());
+    let refused = |refusals: &Refusals, now| refusals.message(now, LineState::default()).refused;
+    assert_eq!(refused(&refusals, at(2000)), "hand");
     assert_eq!(refusals.standing(at(30_999)), ("hand refused in auto", Duration::from_millis(29_999)));
     assert_eq!(refusals.standing(at(31_000)), ("", Duration::ZERO));
-    refusals.refuse(at(40_000), "manual refused in auto".to_owned());
+    refusals.refuse(at(40_000), "manual refused in auto".to_owned(), "manual".to_owned());
     refusals.end();
     assert_eq!((refusals.standing(at(40_001)), refusals.count), (("", Duration::ZERO), 2));
+    assert_eq!(refused(&refusals, at(40_001)), "");
 }
 
 #[test]

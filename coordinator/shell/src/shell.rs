@@ -270,7 +270,10 @@ impl CoordinatorShell {
             CoordinatorArrival::Outputs { station, sequence, image } => {
                 let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) else { return true };
                 let is_newest = behind.newest.offer(now, image.boot_id, sequence) || !self.rules.numbers;
-                if is_newest && !is_doubtful {
+                // Only of a start whose state was received, and so fits the description: to another one the bits mean other
+                // outputs.
+                let is_known = image.boot_id == self.coordinator.life_of(station);
+                if is_newest && is_known && !is_doubtful {
                     self.gateway.hear(now, station, image);
                 }
             }

@@ -178,3 +178,18 @@ fn a_new_coordinator_knows_the_station_or_stops_the_line() {
         assert_eq!(rig.shell.order_for(id).mode, ControlMode::EStop);
     }
 }
+
+/// The state of its start was not received: it is of an earlier start, or its node was started with another description, and its
+/// bits mean other outputs.
+#[test]
+fn an_image_of_a_station_that_is_not_received_is_not_put_out() {
+    let mut rig = Rig::new(CoordinatorRecord::default());
+    let station = rig.line.station_named("clamp_1").expect("a clamp");
+    let is_on = |done: &[CoordinatorEffect]| done.contains(&CoordinatorEffect::Energise(station, 1));
+    rig.outputs(station, 1);
+    assert!(!is_on(&rig.act()));
+    rig.hear_all();
+    rig.act();
+    rig.outputs(station, 1);
+    assert!(is_on(&rig.act()));
+}

@@ -8,6 +8,7 @@ use std::fmt;
 use std::ops::Range;
 use std::time::Duration;
 
+use linewright_line::{Fnv, Line};
 use linewright_text::index_id;
 
 use crate::prototype::{Prototype, ResourceAction, Role};
@@ -295,6 +296,14 @@ pub enum Strategy {
 }
 
 impl Cell {
+    /// Fingerprint of this cell with the line of its stations, as [`Line::fingerprint`].
+    pub fn fingerprint(&self, line: &Line) -> u64 {
+        let mut sum = Fnv::default();
+        sum.number(line.fingerprint());
+        sum.debug(&Cell { title: String::new(), ..self.clone() });
+        sum.sum()
+    }
+
     pub fn resource(&self, id: ResourceId) -> &Resource {
         &self.resources[id.index()]
     }

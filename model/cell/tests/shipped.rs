@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_cell::{ActivityKind, DispatchRule, LeftOut, ParameterSource, Prototype, StopOf, Whereabouts};
 
-use linewright_testkit::cells::{ASSEMBLY, C1, cell};
+use linewright_testkit::cells::{ASSEMBLY, C1, C1_LINE, cell};
 
 /// A1, seed 000, L2029-2035: robot 1 loads robot 2: 3, loads the human: 2, unloads robot 2: 3, unloads the human: 2; robot 2
 /// works on part 1: 7.5; the human on part 2: 5, on part 3: 4. One time unit is a second here.
@@ -167,4 +167,15 @@ fn the_documented_examples_are_sound() {
     let variants = cell(&format!("{c1}\n{}", blocks[2]));
     let names: Vec<_> = variants.part_types.iter().map(|part| part.name.as_str()).collect();
     assert_eq!(names, ["old A", "B", "C", "C unmeasured"]);
+}
+
+/// A cell and its line are one description to its coordinator; titles and comments are for people.
+#[test]
+fn the_fingerprint_of_a_cell_is_that_of_both_descriptions() {
+    let line = |text: &str| linewright_line::parse("line.toml", text).expect("a line").line;
+    let of = |cell_text: &str, line_text: &str| cell(cell_text).fingerprint(&line(line_text));
+    let usual = of(C1, C1_LINE);
+    assert_eq!(of(&format!("# A remark.\n{C1}"), C1_LINE), usual);
+    assert_ne!(of(&C1.replacen("wip_max = ", "wip_max = 1", 1), C1_LINE), usual);
+    assert_ne!(of(C1, &format!("{C1_LINE}\n[timing]\nlease_ms = 600\n")), usual);
 }

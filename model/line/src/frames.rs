@@ -11,11 +11,18 @@ use std::time::Duration;
 use crate::{InputId, OutputId};
 
 /// A name of the DBC file, and its place in the description, for messages about it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct DbcName {
     pub name: String,
     /// The bytes of the description it stands in.
     pub at: Range<usize>,
+}
+
+/// Without its place, which a comment changes: [`Line::fingerprint`](crate::Line::fingerprint) is taken of this form.
+impl fmt::Debug for DbcName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.name.fmt(f)
+    }
 }
 
 /// Description of such a device.

@@ -7,6 +7,7 @@ mod analogue;
 mod console;
 mod device;
 mod drive;
+mod fingerprint;
 mod frames;
 mod hand;
 mod handling;
@@ -28,6 +29,7 @@ pub use device::{
     is_the_managers, keeps_an_output, wired_bits,
 };
 pub use drive::{AtRest, Drive, DriveIndex, DriveMode, DriveTarget, Homing, NumberedOrder, TurnDirection};
+pub use fingerprint::Fnv;
 pub use frames::{
     Checksum, Coding, CyclicFrame, DbcName, FrameBinding, FrameField, FrameId, FrameTable, Page, ReceivedFrameBinding,
     ReceivedMessageTable, SentFrameBinding, SignalError, SignalInput, SignalOutput, When,

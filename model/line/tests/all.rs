@@ -4,6 +4,7 @@ mod analogue;
 mod devices;
 mod drives;
 mod fields;
+mod fingerprint;
 mod io_list;
 mod modbus;
 mod net;

@@ -7,7 +7,7 @@ use linewright_line::{
     duration_text, parse,
 };
 
-const LINE: &str = r#"
+pub const LINE: &str = r#"
 name = "pressing"
 buttons = ["PB_1", "PB_2"]
 

@@ -50,6 +50,7 @@ class StationState_(IdlStruct, typename="linewright_msgs::msg::dds_::StationStat
     boot_id: uint64
     sequence: uint64
     station: str
+    description: uint64
     mode_epoch: uint64
     coordinator_boot_id: uint64
     mode: uint8
@@ -115,7 +116,7 @@ def main():
             for sample in reader.take(10):
                 if name == "state":
                     answers = [(a.station, a.boot_id, a.agreed, a.in_the_way) for a in sample.answers]
-                    say(name, sample.station, sample.boot_id, list(sample.done), list(sample.places),
+                    say(name, sample.station, sample.boot_id, sample.description, list(sample.done), list(sample.places),
                         list(sample.incomplete), list(sample.blocked_by), sample.request_number, answers)
                 else:
                     say(name, sample.data)

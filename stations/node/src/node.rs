@@ -128,6 +128,7 @@ pub(crate) struct StationLoop {
     pub(crate) from: mpsc::Receiver<StationInbound>,
     tasks: Vec<Forward>,
     event_sequence: u64,
+    /// State sent last; the next one overwrites all but the fingerprint of the description.
     message: StationState,
     has_ended: bool,
     // The node must outlive its publishers and subscriptions.
@@ -184,6 +185,7 @@ impl StationLoop {
             .as_ref()
             .map(|_| DeviceDiagnosticsTopic::open(&mut node, "~/trouble", owner, "station"))
             .transpose()?;
+        let message = StationState { description: line.fingerprint(), ..StationState::default() };
         Ok(StationLoop {
             line,
             station,
@@ -202,7 +204,7 @@ impl StationLoop {
             from,
             tasks,
             event_sequence: 0,
-            message: StationState::default(),
+            message,
             has_ended: false,
             _node: node,
         })
@@ -274,12 +276,14 @@ impl StationLoop {
                 Ok(order) => self.handle(StationArrival::Order { sequence: message.sequence, order }),
                 Err(error) => self.ignore(error),
             },
-            StationInbound::State(message) => match report_from_message(&self.line, &message) {
-                Ok((station, report)) => {
-                    self.handle(StationArrival::State { station, sequence: message.sequence, report: &report });
+            StationInbound::State(message) => {
+                match report_from_message((&self.line, self.message.description), &message) {
+                    Ok((station, report)) => {
+                        self.handle(StationArrival::State { station, sequence: message.sequence, report: &report });
+                    }
+                    Err(error) => self.ignore(error),
                 }
-                Err(error) => self.ignore(error),
-            },
+            }
             StationInbound::Inputs(message) => self.handle(StationArrival::Inputs(InputsMessage {
                 boot_id: message.boot_id,
                 sequence: message.sequence,

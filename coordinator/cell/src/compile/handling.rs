@@ -85,7 +85,9 @@ pub fn rests(line: &Line, id: StationId) -> StationRests {
         let awaited =
             station.operations_of(of).map(|op| &station.operations[op.index()]).filter(|of| of.waits_code > 0);
         let awaited = awaited.flat_map(|of| {
-            of.waits.iter().map(|&input| (of.waits_code, Arc::from(station.inputs[input.index()].as_str())))
+            of.waits
+                .iter()
+                .map(|&input| (of.waits_code, input.bit(), Arc::from(station.inputs[input.index()].as_str())))
         });
         let back = back.filter(goes_back);
         let name = |button: ButtonId| Arc::from(line.buttons[usize::from(button.0)].as_str());

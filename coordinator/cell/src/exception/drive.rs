@@ -421,6 +421,11 @@ impl Coordination {
         self.watch.seen(station).map_or(Presence::Unread, |seen| seen.heard.presence)
     }
 
+    /// The awaited inputs of a station that are off, by its last report.
+    pub(crate) fn awaited_off(&self, station: StationId) -> u128 {
+        self.watch.seen(station).map_or(0, |seen| seen.heard.off)
+    }
+
     /// Difference between the sensor of a resource and a model in which nothing is under way; none if they agree or the
     /// sensor has no value.
     pub(super) fn difference(&self, id: ResourceId) -> Option<SensorMismatch> {

@@ -69,8 +69,8 @@ pub struct RestTask {
     pub shared: Vec<(Arc<str>, Arc<str>)>,
     /// One of its motions waits for inputs.
     pub waits: bool,
-    /// The codes of its motions whose time was over while they waited, each with an input.
-    pub awaited: Vec<(u16, Arc<str>)>,
+    /// The codes of its motions whose time was over while they waited, each with an input and its bit.
+    pub awaited: Vec<(u16, u128, Arc<str>)>,
 }
 
 /// Recovery data of a mode.
@@ -207,11 +207,15 @@ impl RecoveryPolicy {
         known.map_or_else(|| format!("station {}", station.0), |(_, name)| name.to_string())
     }
 
-    /// The inputs that a station waited for when an order for this task failed with this code; none if no motion has it.
-    pub fn awaited(&self, station: StationId, task: &str, code: u16) -> Option<String> {
+    /// The inputs that a station waited for when an order for this task failed with this code; none if no motion has it. Of several
+    /// those that are `off`; all where none is known to be.
+    pub fn awaited(&self, station: StationId, task: &str, code: u16, off: u128) -> Option<String> {
         let of = self.rests.iter().find(|of| of.station == station)?;
         let tasks = of.tasks.iter().filter(|of| *of.name == *task).flat_map(|of| &of.awaited);
-        let inputs: Vec<&str> = tasks.filter(|(of, _)| *of == code).map(|(_, input)| &**input).collect();
+        let all: Vec<_> = tasks.filter(|(of, ..)| *of == code).collect();
+        let is_one_off = all.iter().any(|(_, bit, _)| bit & off != 0);
+        let missing = all.iter().filter(|(_, bit, _)| !is_one_off || bit & off != 0);
+        let inputs: Vec<&str> = missing.map(|(.., input)| &**input).collect();
         (!inputs.is_empty()).then(|| inputs.join(", "))
     }
 

@@ -65,7 +65,7 @@ fn facts(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, no
     let failed_after = state.exceptions().trouble(firing.id).map_or(now, |trouble| trouble.since).since(firing.began);
     let mut text = AlarmText::Facts {
         activity: state.table().called(firing.mode),
-        cause: &cause_of(state, firing, cause),
+        cause: &cause_of(of, firing, cause),
         seconds: failed_after.as_millis() as f64 / 1e3,
     }
     .text();
@@ -79,8 +79,8 @@ fn facts(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, no
         {
             // Writing to a string does not fail.
             let of_another = first.is_some() || matches!(cause, ActivityFailure::ByHand { .. });
-            let left = of_another.then(|| left_waiting(state, firing, order, failure)).flatten();
-            let _ = write!(text, "; {}", left.unwrap_or_else(|| order_failed(state, firing, order, failure)));
+            let left = of_another.then(|| left_waiting(of, firing, order, failure)).flatten();
+            let _ = write!(text, "; {}", left.unwrap_or_else(|| order_failed(of, firing, order, failure)));
         }
     }
     let mut joint = ";";
@@ -132,13 +132,13 @@ impl StationStanding {
 }
 
 /// Reason why an activity failed, with the names of the description.
-fn cause_of(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure) -> String {
-    let handling = state.table().handling();
+fn cause_of(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure) -> String {
+    let handling = of.state().table().handling();
     match cause {
         ActivityFailure::TimedOut => cause.text_of("a station", "?"),
         ActivityFailure::ByHand { resource } => cause.text_of("a station", handling.resource_name(resource)),
         ActivityFailure::Order { key, failure } => match firing.orders.iter().find(|order| order.key == key) {
-            Some(order) => order_failed(state, firing, order, failure),
+            Some(order) => order_failed(of, firing, order, failure),
             None => cause.text_of("a station", "?"),
         },
     }
@@ -156,39 +156,37 @@ fn is_told(failure: OrderFailure) -> bool {
 }
 
 /// Failure of an order with the names of its station and of the inputs that were waited for.
-fn order_failed(state: &PlayerState, firing: &OngoingActivity, order: &OngoingOrder, failure: OrderFailure) -> String {
-    let text = failure.text_of(&state.table().handling().station_name(order.station));
-    let inputs = awaited(state, firing, order, failure);
+fn order_failed(of: &Coordination, firing: &OngoingActivity, order: &OngoingOrder, failure: OrderFailure) -> String {
+    let text = failure.text_of(&of.state().table().handling().station_name(order.station));
+    let inputs = awaited(of, firing, order, failure);
     inputs.map_or_else(|| text.clone(), |inputs| AlarmText::Awaited { failure: &text, inputs: &inputs }.text())
 }
 
 /// The same where the order was left because of another one's failure: no time was over.
 fn left_waiting(
-    state: &PlayerState,
+    of: &Coordination,
     firing: &OngoingActivity,
     order: &OngoingOrder,
     failure: OrderFailure,
 ) -> Option<String> {
     let OrderFailure::Code(code) = failure else { return None };
     let TaskFailure::Waiting(_) = TaskFailure::from_code(code) else { return None };
-    let station = state.table().handling().station_name(order.station);
-    let inputs = awaited(state, firing, order, failure);
+    let station = of.state().table().handling().station_name(order.station);
+    let inputs = awaited(of, firing, order, failure);
     Some(AlarmText::LeftWaiting { station: &station, inputs: inputs.as_deref(), code }.text())
 }
 
-/// The inputs that an order waited for when it failed.
-fn awaited(
-    state: &PlayerState,
-    firing: &OngoingActivity,
-    order: &OngoingOrder,
-    failure: OrderFailure,
-) -> Option<String> {
-    let (handling, station) = (state.table().handling(), order.station);
+/// The inputs that an order waited for when it failed; of several those that are off now.
+fn awaited(of: &Coordination, firing: &OngoingActivity, order: &OngoingOrder, failure: OrderFailure) -> Option<String> {
+    let (state, station) = (of.state(), order.station);
+    let handling = state.table().handling();
     // Its orders are those of the activity, in their order.
     let at = firing.orders.iter().position(|of| of.key == order.key);
     let task = at.and_then(|at| state.table().activity(firing.mode).orders.get(at)).map(|of| &*of.task);
     match failure {
-        OrderFailure::Code(code) => task.and_then(|task| handling.awaited(station, task, code)),
+        OrderFailure::Code(code) => {
+            task.and_then(|task| handling.awaited(station, task, code, of.awaited_off(station)))
+        }
         OrderFailure::Refused(_)
         | OrderFailure::TimedOut
         | OrderFailure::Forgotten

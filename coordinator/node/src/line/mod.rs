@@ -7,11 +7,13 @@
 
 mod observer;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use linewright_coordinator_logic::CompletedCycle;
-use linewright_history::{History, HistoryError, HistoryFeed, LineAbout, LineOperation, LineStation, Note, TimeBase};
+use linewright_history::{
+    History, HistoryError, HistoryFeed, HistoryReader, LineAbout, LineOperation, LineStation, Note, TimeBase,
+};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick};
 use linewright_msgs::StationState;
@@ -91,10 +93,25 @@ fn about(line: &Line) -> LineAbout {
     }
 }
 
+/// Its file in a state directory.
+fn database(dir: &Path) -> PathBuf {
+    dir.join("line.db")
+}
+
+/// Why nothing of this line would be recorded in `dir`, and what to do, if the database there is another one's. A damaged or empty one
+/// is not: a new one is begun.
+pub fn not_recorded(dir: &Path, line: &Line) -> Option<String> {
+    let path = database(dir);
+    let found = path.exists().then(|| HistoryReader::open(&path).and_then(|db| db.fits(&about(line))))?;
+    let error = found.err().filter(|error| matches!(error, HistoryError::Other { .. } | HistoryError::Form { .. }))?;
+    let remedy = error.remedy().map_or_else(String::new, |remedy| format!("; {remedy}"));
+    Some(format!("nothing of this run is recorded: {error}{remedy}"))
+}
+
 impl LineHistory {
     /// Feeds the database in `dir`, which is made if there is none, and keeps so much. Nothing is waited for.
     pub fn begin(dir: &Path, line: &Line, now: Tick, retention: Option<Duration>) -> Self {
-        let (path, of) = (dir.join("line.db"), line.clone());
+        let (path, of) = (database(dir), line.clone());
         let mut known = None;
         let open = move || Ok(History::open(&path, &*known.get_or_insert_with(|| about(&of)))?.keeping(retention));
         Self::with(open, line, now)

@@ -24,6 +24,18 @@ fn a_sensor_without_an_image_is_unread() {
     assert_eq!([presence(&[], sensor), presence(&[], None)], [Presence::Unread, Presence::NoSensor]);
 }
 
+/// Of the inputs that operations wait for those are reported that are off; none of an image that is not there.
+#[test]
+fn awaited_inputs_that_are_off_are_heard() {
+    let mut station = station();
+    station.operations[0].waits = vec![InputId(0), InputId(1)];
+    let off = |inputs: &[u8]| {
+        let inputs = Bounded::new(inputs.to_vec()).expect("a few");
+        heard(&OrderState { inputs, ..OrderState::default() }, &station, None, None).0.off
+    };
+    assert_eq!([off(&[0]), off(&[1]), off(&[3]), off(&[])], [3, 2, 0, 0]);
+}
+
 #[test]
 fn what_a_station_says_is_heard() {
     let end = |id, end, code| OrderEnd { epoch: 2, id, end, code };

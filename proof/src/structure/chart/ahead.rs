@@ -7,7 +7,7 @@
 
 use linewright_line::{Arrow, Line, StationId};
 
-use super::full_name;
+use super::separated::{missing_arrows, written};
 
 /// Stations that may run ahead of others without limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,8 +42,10 @@ pub fn run_ahead(line: &Line) -> Vec<RunAhead> {
     let more = pairs.len().saturating_sub(PAIRS_MAX);
     pairs.truncate(PAIRS_MAX);
     let last = pairs.len().saturating_sub(1);
+    let missing = if pairs.is_empty() { Vec::new() } else { missing_arrows(line) };
     let about = |(nth, (ahead, behind, is_joined)): (usize, &(&Vec<StationId>, &Vec<StationId>, bool))| {
-        let found = if *is_joined { one_way(line, &arrows, ahead, behind) } else { apart(line, ahead, behind) };
+        let found =
+            if *is_joined { one_way(line, (&arrows, &missing), ahead, behind) } else { apart(line, ahead, behind) };
         if nth == last && more > 0 {
             RunAhead { text: format!("{}; and {more} more such pairs", found.text), ..found }
         } else {
@@ -88,18 +90,37 @@ fn leads(arrows: &[&Arrow], from: &[StationId], to: &[StationId]) -> bool {
 }
 
 /// The second group waits for the first, and the first for none of the second.
-fn one_way(line: &Line, arrows: &[&Arrow], ahead: &[StationId], behind: &[StationId]) -> RunAhead {
+fn one_way(
+    line: &Line,
+    (arrows, missing): (&[&Arrow], &[Arrow]),
+    ahead: &[StationId],
+    behind: &[StationId],
+) -> RunAhead {
     let (own, of) = (names(line, ahead), names(line, behind));
     let begins = if ahead.len() == 1 { "begins" } else { "begin" };
     // Of the arrows on the way: where they leave the first group, and where they enter the second.
     let onward = arrows.iter().find(|arrow| ahead.contains(&arrow.from.0) && !ahead.contains(&arrow.to.0));
     let into = arrows.iter().find(|arrow| !behind.contains(&arrow.from.0) && behind.contains(&arrow.to.0));
-    let back = onward.zip(into).map_or(String::new(), |(onward, into)| {
-        let (from, to) = (full_name(line, into.to), full_name(line, onward.from));
-        format!(
-            "Draw the arrow back, such as `from = \"{from}\"`, `to = \"{to}\"`, `lag = 1` (done in the cycle before). "
-        )
-    });
+    let leads_back = |arrow: &&Arrow| behind.contains(&arrow.from.0) && ahead.contains(&arrow.to.0);
+    let back = match (missing.iter().find(leads_back), onward.zip(into)) {
+        (Some(arrow), _) => {
+            format!("The arrow that keeps a conflict of theirs apart leads back too: {}. ", written(line, arrow))
+        }
+        // The whole cycle waits: an arrow to a later operation lets those before it run ahead.
+        (None, Some((onward, into))) => {
+            let (station, from) = (onward.from.0, into.to);
+            let first = line.station(station).steps.first().and_then(|step| step.first());
+            let to = (station, first.copied().unwrap_or(onward.from.1));
+            let arrow = Arrow { from, to, lag: 1, auto: true, manual: false };
+            let name = &line.station(station).name;
+            format!(
+                "Draw an arrow back, such as {} (done in the cycle before); to a later operation of {name} only where those before it \
+                 may be done again before the part is taken. ",
+                written(line, &arrow)
+            )
+        }
+        (None, None) => String::new(),
+    };
     RunAhead {
         text: format!(
             "{own} may run ahead of {of} in auto without limit: no arrow leads back from there, through others either"

@@ -143,9 +143,26 @@ impl<'a> Lags<'a> {
         Err(Gap::Forward(format!("{why}{hint}")))
     }
 
+    /// The arrow that separates two states of which one waits for the other already; none where neither or both do.
+    fn missing(&mut self, a: &StateSpan, b: &StateSpan, waits: ConsideredWaits) -> Option<Arrow> {
+        let mut ends = |before: &StateSpan, after: &StateSpan| {
+            let (from, to) = ((before.station, before.until), (after.station, after.from));
+            (from, to, self.least(from, to, waits))
+        };
+        let (from, to, known) = match (ends(a, b), ends(b, a)) {
+            ((from, to, None), (.., Some(known))) | ((.., Some(known)), (from, to, None)) => (from, to, known),
+            _ => return None,
+        };
+        let lag = SUM_MAX.checked_sub(known + crosses(a) + crosses(b))?;
+        Some(Arrow { from, to, lag, auto: true, manual: true })
+    }
+
     fn gaps(&mut self, Conflict { a, b, .. }: &Conflict, waits: ConsideredWaits) -> Result<(), String> {
         let line = self.chart.line;
-        let crosses = |span: &StateSpan| u32::from(span.until < span.from);
+        let advice = match self.missing(a, b, waits) {
+            Some(arrow) => format!("; an arrow {} in both modes does", written(line, &arrow)),
+            None => String::new(),
+        };
         let mut lag = |before: &StateSpan, after: &StateSpan| {
             let (from, to) = ((before.station, before.until), (after.station, after.from));
             self.least(from, to, waits).ok_or_else(|| {
@@ -161,7 +178,7 @@ impl<'a> Lags<'a> {
                         "nothing in both modes makes `{to}` wait for `{from}`; the arrow from `{to}` to `{from}` may be the \
                          wrong way round"
                     ),
-                    None => format!("nothing in both modes makes `{to}` wait for `{from}`"),
+                    None => format!("nothing in both modes makes `{to}` wait for `{from}`{advice}"),
                 }
             })
         };
@@ -172,6 +189,11 @@ impl<'a> Lags<'a> {
         }
         Err(overlap(line, (a, back), (b, there)))
     }
+}
+
+/// 1 for a state that lasts into the next cycle.
+fn crosses(span: &StateSpan) -> u32 {
+    u32::from(span.until < span.from)
 }
 
 /// How two states overlap that each begin only after an end of the other, each with the number of cycles back of that end.
@@ -206,13 +228,21 @@ fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u
 fn arrows_between(line: &Line, a: StationId, b: StationId, is_meant: impl Fn(&Arrow) -> bool) -> Option<String> {
     let joins = |arrow: &&Arrow| [(a, b), (b, a)].contains(&(arrow.from.0, arrow.to.0));
     let found = line.arrows.iter().filter(joins).filter(|arrow| is_meant(arrow));
-    let texts: Vec<String> = found
-        .map(|arrow| {
-            let lag = if arrow.lag == 0 { String::new() } else { format!(", lag = {}", arrow.lag) };
-            format!("from = \"{}\", to = \"{}\"{lag}", full_name(line, arrow.from), full_name(line, arrow.to))
-        })
-        .collect();
+    let texts: Vec<String> = found.map(|arrow| written(line, arrow)).collect();
     (!texts.is_empty()).then(|| texts.join("; "))
+}
+
+/// An arrow as it is written, but for its modes.
+pub(super) fn written(line: &Line, arrow: &Arrow) -> String {
+    let lag = if arrow.lag == 0 { String::new() } else { format!(", lag = {}", arrow.lag) };
+    format!("from = \"{}\", to = \"{}\"{lag}", full_name(line, arrow.from), full_name(line, arrow.to))
+}
+
+/// The arrows each of which separates a conflict that is not separated.
+pub(super) fn missing_arrows(line: &Line) -> Vec<Arrow> {
+    let mut lags = Lags::of(line);
+    let open = line.conflicts.iter().filter(|of| lags.gaps(of, ConsideredWaits::Guarded).is_err()).collect::<Vec<_>>();
+    open.into_iter().filter_map(|of| lags.missing(&of.a, &of.b, ConsideredWaits::Guarded)).collect()
 }
 
 /// Whether the two states of a conflict exclude each other in forward motion, in every mode and across changes of mode.

@@ -1,0 +1,53 @@
+//! What a check that takes long says meanwhile.
+
+use std::io::IsTerminal;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+
+/// Shorter checks say nothing.
+const FIRST: Duration = Duration::from_secs(2);
+const AGAIN: Duration = Duration::from_secs(20);
+
+/// Says on standard error, where that is a terminal, that a check goes on, until this is dropped.
+pub struct SlowCheck {
+    _ends: Option<Sender<()>>,
+}
+
+impl SlowCheck {
+    pub fn begin() -> Self {
+        if !std::io::stderr().is_terminal() {
+            return SlowCheck { _ends: None };
+        }
+        let (ends, ended) = channel::<()>();
+        std::thread::spawn(move || {
+            let began = Instant::now();
+            let mut wait = FIRST;
+            // The check has ended when the other end is gone.
+            while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
+                crate::out::complain!("{}", text(began.elapsed()));
+                wait = AGAIN;
+            }
+        });
+        SlowCheck { _ends: Some(ends) }
+    }
+}
+
+fn text(elapsed: Duration) -> String {
+    match elapsed < AGAIN {
+        true => "visiting every state that the controllers can reach; of a line of three stations this may take a minute or more; \
+                 --structure leaves it out"
+            .to_owned(),
+        false => format!("still visiting states, for {} s", elapsed.as_secs()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_it_does_comes_first_and_then_how_long_it_has() {
+        assert!(text(FIRST).contains("may take a minute or more; --structure leaves it out"));
+        assert_eq!(text(FIRST + AGAIN), "still visiting states, for 22 s");
+    }
+}
