@@ -29,7 +29,8 @@ pub(crate) fn pairs(line: &Line, tasks: &[(StationId, TaskId)]) -> Option<Vec<Or
         line.handling.sensors.iter().any(|sensor| (sensor.station, sensor.input) == (station, input))
     };
     let waits_unseen = |of: &ChartedOp| line.operation(of.op).waits.iter().any(|&input| !is_seen(of.op.0, input));
-    if pairs.is_empty() && tasks.len() > 1 && done.iter().any(waits_unseen) {
+    // What starts by such an input is too early in the chart, and so is all that follows from it.
+    if tasks.len() > 1 && done.iter().any(waits_unseen) {
         return None;
     }
     let is_of = |pair: &OrderedPair, a: StationId, b: StationId| {

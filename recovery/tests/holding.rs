@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
-use linewright_line::{AxisId, Grip, HolderId, Line, Sign, Stand, StationId, TaskId, Tick};
+use linewright_line::{AxisId, Grip, HolderId, InputId, Line, Sensor, Sign, Stand, StationId, TaskId, Tick};
 use linewright_recovery::{
     ActivityEnd, DecidedEnd, LedOrder, LineSituation, RecoveryPlan, RecoveryStep, StandingAlarm, plan,
 };
@@ -289,7 +289,6 @@ fn a_part_is_held_along_every_list() {
 #[test]
 fn where_no_station_waits_the_order_is_that_of_the_chart_by_time() {
     let [(_, mut line), _] = shipped();
-    line.handling.sensors.clear();
     let (orders, moment) = (TRANSFERS[0].1, [(2, true), (1, true)]);
     let list = |line: &Line| {
         let transfer = Transfer::of(line, orders);
@@ -297,9 +296,16 @@ fn where_no_station_waits_the_order_is_that_of_the_chart_by_time() {
         let found = plan(line, &seen);
         (found.led[0].clone(), found.steps.iter().map(|step| step.text(line)).collect::<Vec<_>>())
     };
-    let (led, texts) = list(&line);
-    assert_eq!(led.order, LedOrder::Unknown, "what they wait for is not described: {texts:#?}");
-    assert!(led.text(&line).contains("does not tell the order"), "{}", led.text(&line));
+    let robot = line.station_named("robot").expect("there");
+    let input = line.station(robot).inputs.iter().position(|name| name == "m1_clamped").map(InputId::at);
+    let is_it = |sensor: &Sensor| sensor.station == robot && Some(sensor.input) == input;
+    let at = line.handling.sensors.iter().position(is_it).expect("it is described");
+    for left_out in [at..at + 1, 0..line.handling.sensors.len() - 1] {
+        line.handling.sensors.drain(left_out);
+        let (led, texts) = list(&line);
+        assert_eq!(led.order, LedOrder::Unknown, "what they wait for is not described: {texts:#?}");
+        assert!(led.text(&line).contains("does not tell the order"), "{}", led.text(&line));
+    }
     let operations = line.stations.iter_mut().flat_map(|station| &mut station.operations);
     operations.for_each(|operation| operation.waits.clear());
     let (led, texts) = list(&line);

@@ -107,8 +107,8 @@ pub struct TaskReport {
     pub is_held: bool,
     /// The rest at which it stands; none while it moves, between rests, or where it is not known.
     pub rest: Option<RestId>,
-    /// Between rests: an operation of its task that waits for inputs or other stations has started, and is not taken back. Another
-    /// station may rely on where this one stands.
+    /// An operation of its task that waits for inputs or other stations has started, and is not taken back; or it is not known where
+    /// it stands, also if it reports a rest. Another station may rely on where this one stands.
     pub is_in_handshake: bool,
     /// Why it could not do anything now; none if it could.
     pub unable: Option<StationUnavailable>,

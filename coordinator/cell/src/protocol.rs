@@ -13,7 +13,7 @@ pub struct ProtocolRules {
     pub stands_first: bool,
     /// After an alarm given by hand stations are ordered to stop. Off: to go back, as after any other failure.
     pub stops: bool,
-    /// A station is ordered back only while the activity's other stations stand where their orders began. Off: always.
+    /// A station is ordered back only while no other one of the activity is in a handshake or has completed its order. Off: always.
     pub goes_back_alone: bool,
 }
 

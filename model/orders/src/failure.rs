@@ -13,9 +13,9 @@ pub enum TaskFailure {
     Interrupted,
     /// The station's controller was restarted.
     Restarted,
-    /// It was ordered to leave it, and is back where the task began.
+    /// It was ordered to leave it, and had not begun it, or is back where the task began.
     Cancelled,
-    /// It was ordered to leave it, and stands where it could not go on by itself.
+    /// It was ordered to leave it, and stands between two rests: it was to hold, or could not go back further by itself.
     Held,
     /// It was ordered to stop, and stands where it was then.
     Stopped,
@@ -62,7 +62,7 @@ impl TaskFailure {
             TaskFailure::Interrupted => "interrupted by an emergency stop or a change of mode".to_owned(),
             TaskFailure::Restarted => "station controller restarted during the task".to_owned(),
             TaskFailure::Cancelled => "left on request".to_owned(),
-            TaskFailure::Held => "left on request, undone as far as possible; lead it to a rest in manual".to_owned(),
+            TaskFailure::Held => "left on request, stands between two rests".to_owned(),
             TaskFailure::Stopped => "stopped on request between two rests; lead it to a rest in manual".to_owned(),
             TaskFailure::Other(code) => format!("code {code}"),
         }

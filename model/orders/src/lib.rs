@@ -67,13 +67,14 @@ pub enum TaskCommand<'a> {
     Leave(OrderKey, LeaveWay),
 }
 
-/// How an order is left. One that has not begun ends without a motion, whichever it is.
+/// How an order is left. One that has not begun ends without a motion, whichever it is. Each is more than the one before: after it a
+/// copy of that changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LeaveWay {
-    /// The motion under way ends, then the task is taken back to the rest where it began, as far as that goes by itself.
-    Back,
     /// The motion under way ends, then the station stands. It may be ordered back afterwards.
     Hold,
+    /// The motion under way ends, then the task is taken back to the rest where it began, as far as that goes by itself.
+    Back,
     /// The station stands at once. Only a person leads on from there.
     Stop,
 }
@@ -82,8 +83,8 @@ impl LeaveWay {
     /// Number in messages.
     pub const fn number(self) -> u8 {
         match self {
-            LeaveWay::Back => 0,
-            LeaveWay::Hold => 1,
+            LeaveWay::Hold => 0,
+            LeaveWay::Back => 1,
             LeaveWay::Stop => 2,
         }
     }
@@ -91,8 +92,8 @@ impl LeaveWay {
     /// The way with this number. One that is not known stops: that moves nothing.
     pub const fn from_number(number: u8) -> Self {
         match number {
-            0 => LeaveWay::Back,
-            1 => LeaveWay::Hold,
+            0 => LeaveWay::Hold,
+            1 => LeaveWay::Back,
             2..=u8::MAX => LeaveWay::Stop,
         }
     }

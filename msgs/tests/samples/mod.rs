@@ -202,6 +202,7 @@ pub fn order_state() -> OrderState {
         boot_id: 0x0102_0304_0506_0708,
         sequence: 9,
         station: "robot".into(),
+        description: 0x0F1E_2D3C_4B5A_6978,
         memory: 0x1122_3344_5566_7788,
         epoch: 3,
         doing_epoch: 3,

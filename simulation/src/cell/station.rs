@@ -293,7 +293,7 @@ impl SimulatedStation {
             (self.doing, self.is_held) = (None, true);
             let failure = match way {
                 LeaveWay::Back => TaskFailure::Held,
-                LeaveWay::Hold => waited.unwrap_or(TaskFailure::Cancelled),
+                LeaveWay::Hold => waited.unwrap_or(TaskFailure::Held),
                 LeaveWay::Stop => TaskFailure::Stopped,
             };
             self.end(now, key, TaskOutcome::Failed(failure));

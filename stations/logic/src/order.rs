@@ -24,7 +24,8 @@ pub struct TaskOrderReport {
     pub refused: Vec<(OrderKey, TaskRefusal)>,
     /// The rest it stands at; none while it moves and between rests.
     pub rest: Option<RestId>,
-    /// Between rests: an operation of the task that waits for inputs or other stations has started, and is not taken back.
+    /// An operation of the task that waits for inputs or other stations has started, and is not taken back; or it is not known where
+    /// the station stands.
     pub is_in_handshake: bool,
 }
 

@@ -89,7 +89,7 @@ enum SlotPhase {
 }
 
 impl SlotPhase {
-    /// The coordinator has ordered it to leave the order.
+    /// The coordinator has ordered it back.
     const fn goes_back(self) -> bool {
         match self {
             SlotPhase::Running | SlotPhase::Ending { .. } => false,

@@ -60,10 +60,10 @@ pub struct TaskOrderTopics {
 }
 
 impl TaskOrderTopics {
-    /// Opens the action and the topics of a task-driven station.
+    /// Opens the action and the topics of a task-driven station, with the fingerprint of its description.
     pub fn open(
         node: &mut RosNode,
-        station: &str,
+        (station, description): (&str, u64),
         boot_id: u64,
         to: &mpsc::Sender<StationInbound>,
         tasks: &mut Vec<Forward>,
@@ -75,7 +75,7 @@ impl TaskOrderTopics {
             let key = OrderKey { epoch: message.epoch, id: message.id };
             Some(StationInbound::Secure(key, LeaveWay::from_number(message.way)))
         }));
-        let message = OrderState { boot_id, station: station.to_owned(), ..OrderState::default() };
+        let message = OrderState { boot_id, station: station.to_owned(), description, ..OrderState::default() };
         Ok(TaskOrderTopics { owner, state, goals: Vec::new(), told: None, report: StationReport::default(), message })
     }
 
@@ -100,8 +100,11 @@ impl TaskOrderTopics {
     /// The controller's input from an order to leave an order.
     pub fn secure(&mut self, key: OrderKey, way: LeaveWay) -> OrderInbound {
         // In effect from the next state on, which is made after the controller has taken it in.
-        (self.message.secured_epoch, self.message.secured_id) = (key.epoch, key.id);
-        self.message.secured_way = way.number();
+        let message = &mut self.message;
+        let is_same = (message.secured_epoch, message.secured_id) == (key.epoch, key.id);
+        let before = if is_same { message.secured_way } else { 0 };
+        (message.secured_epoch, message.secured_id) = (key.epoch, key.id);
+        message.secured_way = before.max(way.number());
         OrderInbound::Leave(key, way)
     }
 

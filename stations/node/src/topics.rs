@@ -32,7 +32,7 @@ pub enum StationInbound {
     Retract(bool),
     /// A task is ordered, or cancelled.
     Goal(GoalRequest<RunTaskGoal>),
-    /// An order is to be left; with true, the station is to stop at once.
+    /// An order is to be left.
     Secure(OrderKey, LeaveWay),
 }
 
@@ -87,7 +87,13 @@ pub fn open(
         tasks.push(forward_present(state, to.clone(), pace.clone(), |m, _| Some(StationInbound::State(Box::new(m)))));
     }
     if line.station(station).is_task_driven() {
-        says.orders = Some(TaskOrderTopics::open(node, &line.station(station).name, boot_id, &to, &mut tasks)?);
+        says.orders = Some(TaskOrderTopics::open(
+            node,
+            (&line.station(station).name, line.fingerprint()),
+            boot_id,
+            &to,
+            &mut tasks,
+        )?);
     }
     if gateway {
         tasks.push(forward(node.subscription("~/inputs", qos::repeated())?, to.clone(), |m, _| {

@@ -8,7 +8,7 @@ use linewright_line::{StationId, Tick};
 
 use super::super::firing::{OngoingActivity, OngoingOrder};
 use super::super::player::Coordination;
-use super::fact::{SecuredState, Whereabouts};
+use super::fact::{AlarmSubject, SecuredState, Whereabouts};
 use super::policy::RestTask;
 use crate::texts::alarm::StationStanding;
 
@@ -117,9 +117,17 @@ impl Coordination {
 
     /// The direction after which something can be answered, where that is one alone.
     fn by_answers(&self, firing: &OngoingActivity) -> Option<LeadReason> {
-        let (_, cause) = self.failed(firing.id)?;
-        let answers = self.answers(firing, cause);
-        let has = |part| answers.iter().any(|answer| answer.ruling.part == part);
+        let about = AlarmSubject::Firing(firing.id);
+        let alarm = self.state().exceptions().alarms().find(|alarm| alarm.about == about);
+        // Those of the alarm that stands, which a person sees; of the rule before there is one.
+        let answers: Vec<_> = match alarm {
+            Some(alarm) => self.rulings(alarm.id),
+            None => {
+                let (_, cause) = self.failed(firing.id)?;
+                self.answers(firing, cause).into_iter().map(|answer| answer.ruling).collect()
+            }
+        };
+        let has = |part| answers.iter().any(|answer| answer.part == part);
         match (has(Whereabouts::From), has(Whereabouts::To)) {
             (false, true) => Some(LeadReason::OnlyDone),
             (true, false) => Some(LeadReason::OnlyBefore),

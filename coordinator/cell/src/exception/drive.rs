@@ -157,8 +157,8 @@ impl Coordination {
     /// Time at which exceptions need a step without an arrival.
     pub(in super::super) fn next_of_exceptions(&self) -> Option<Tick> {
         let (secure, repeat_interval) = (self.state.table().handling().secure, self.state.table().repeat_interval());
-        let limit = self.state.exceptions().open().filter_map(|(_, trouble)| match &trouble.stage {
-            ExceptionStage::Securing => Some(trouble.since + secure),
+        let limit = self.state.exceptions().open().filter_map(|(id, trouble)| match &trouble.stage {
+            ExceptionStage::Securing => Some(self.securing_since(id, trouble.since) + secure),
             ExceptionStage::Restoring { ruling: _, since } => Some(*since + secure.max(repeat_interval)),
             ExceptionStage::Waiting(_) => None,
         });
@@ -209,7 +209,7 @@ impl Coordination {
         // The last reports of all count: a station that has come up anew, or is not heard any more, may stand anywhere.
         let rests = |station| {
             let is_left = !self.watch.in_manual.contains_key(&station);
-            is_left && self.fresh(now, station).is_some_and(|heard| !heard.is_held)
+            is_left && self.fresh(now, station).is_some_and(|heard| !heard.is_held && !heard.is_in_handshake)
         };
         let all_at_rest = firing.orders.iter().all(|order| at_rest(order.key) && rests(order.station));
         let first = rule.filter(|rule| rule.is_automatic && all_at_rest).and_then(|rule| rule.answers.first());

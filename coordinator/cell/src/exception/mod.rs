@@ -15,7 +15,8 @@
 //! where they are by the answer: where they were, where they were to go, or nowhere. Nothing else changes a marking: sensors
 //! can contradict an answer, which gives another alarm; they never correct the model by themselves.
 //!
-//! Securing takes stations back to where their orders began. Where alarm was given of a resource it stops them where they are.
+//! Securing ends what stations do, and takes them back to where their orders began as far as nothing relies on where they stand (`secure`).
+//! Where alarm was given of a resource it stops them where they are.
 //!
 //! A resource can be *down* beside that: by hand, by a rule, or since its station could not come to rest. Its tokens
 //! stay where they are, so nothing can get lost by it, and no mode is enabled that needs it; all else that a plan allows

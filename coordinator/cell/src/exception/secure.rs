@@ -108,9 +108,10 @@ impl Coordination {
         all.dedup();
         let request = |(station, key)| {
             let way = self.way_to_rest(now, station, key).way;
-            SecureOrderRequest { station, key, way }
+            let is_over = || self.state.order(key).is_some_and(|(of, own)| self.order_left(now, of, own).is_some());
+            (way != LeaveWay::Hold || !is_over()).then_some(SecureOrderRequest { station, key, way })
         };
-        all.into_iter().map(request).collect()
+        all.into_iter().filter_map(request).collect()
     }
 
     /// How a station leaves an order.
@@ -136,7 +137,7 @@ impl Coordination {
         if blocking.all(|order| is_open(order) && self.may_go_back(now, firing, order)) {
             return WayToRest::HOLDS;
         }
-        WayToRest::last(LeaveWay::Hold)
+        WayToRest::last(LeaveWay::Stop)
     }
 
     /// Whether no other station of the activity is in a handshake, and none has completed its order.
@@ -155,12 +156,11 @@ impl Coordination {
         let is_at_it = heard.slot == Some(order.key);
         let failed = |(key, end): &(OrderKey, TaskOutcome)| *key == order.key && matches!(end, TaskOutcome::Failed(_));
         let has_failed = heard.results.iter().any(failed);
-        // A station with another memory begins it no more, but what it reports of its place was not kept.
-        let (is_over, is_place_kept) = match order.state {
-            OrderProgress::Ended => return Some(OrderLeft::Involved),
-            OrderProgress::Failed(OrderFailure::Forgotten) => (!is_at_it, false),
-            OrderProgress::Failed(OrderFailure::Refused(_)) => (!is_at_it, true),
-            OrderProgress::Written | OrderProgress::Running | OrderProgress::Failed(_) => (has_failed, true),
+        let is_over = match order.state {
+            // A station without its memory may have completed it, and what it reports of its place was not kept.
+            OrderProgress::Ended | OrderProgress::Failed(OrderFailure::Forgotten) => return Some(OrderLeft::Involved),
+            OrderProgress::Failed(OrderFailure::Refused(_)) => !is_at_it,
+            OrderProgress::Written | OrderProgress::Running | OrderProgress::Failed(_) => has_failed,
         };
         if !is_over {
             return None;
@@ -168,8 +168,9 @@ impl Coordination {
         let handled = self.state.table().handling().mode(firing.mode);
         let begins = handled.begins.iter().find(|(id, _)| *id == order.station).map(|(_, rest)| *rest);
         Some(match heard.rest {
+            _ if heard.is_in_handshake => OrderLeft::Involved,
             Some(rest) if begins.is_none_or(|begins| begins == rest) => OrderLeft::AtBeginning,
-            None if (heard.is_held || is_at_it) && is_place_kept && !heard.is_in_handshake => OrderLeft::Apart,
+            None if heard.is_held || is_at_it => OrderLeft::Apart,
             Some(_) | None => OrderLeft::Involved,
         })
     }
@@ -192,20 +193,22 @@ impl Coordination {
             let told = self.told(leave);
             if told.is_none_or(|told| told.at + repeat_interval <= now) {
                 let answered = told.and_then(|told| told.answered);
-                self.watch.told.insert(key, SecureRequest { at: now, way, answered });
+                let since = told.map_or(now, |told| told.since);
+                self.watch.told.insert(key, SecureRequest { at: now, since, way, answered });
                 out.sends.push(CellMessage::Secure { station, key, way });
             }
         }
     }
 
-    /// Standing of a station that was ordered to leave an order in one of these ways; none as long as it is uncertain.
-    fn standing(&self, station: StationId, key: OrderKey, is_of: impl Fn(LeaveWay) -> bool) -> Option<SecuredState> {
+    /// Standing of a station that was ordered to leave an order so; none as long as it is uncertain.
+    fn standing(&self, station: StationId, key: OrderKey, way: WayToRest) -> Option<SecuredState> {
         if !self.rules.stands_first {
             return Some(SecuredState::AtRest);
         }
         let is_at_it = |heard: &TaskReport| heard.slot == Some(key) && self.counts(heard);
         let seen = self.watch.seen(station).filter(|seen| !is_at_it(&seen.heard))?;
-        let answered = self.watch.told.get(&key).filter(|told| is_of(told.way)).and_then(|told| told.answered);
+        let told = self.watch.told.get(&key).filter(|told| way.is_final && told.way == way.way);
+        let answered = told.and_then(|told| told.answered);
         // Before the order it may not have begun to go back.
         let has_left = answered.is_some_and(|(at, is_at_it)| !is_at_it && at <= seen.at);
         let has_ended = seen.heard.results.iter().any(|(of, _)| *of == key);
@@ -216,6 +219,14 @@ impl Coordination {
         }
     }
 
+    /// Time from which the stations of an activity have to come to rest: from the last order of another way, since one may go back only
+    /// when another one has.
+    pub(super) fn securing_since(&self, id: FiringId, failed: Tick) -> Tick {
+        let orders = self.state.firing(id).into_iter().flat_map(|firing| &firing.orders);
+        let told = orders.filter_map(|order| Some(self.watch.told.get(&order.key)?.since));
+        told.fold(failed, Tick::max)
+    }
+
     /// Records the stations that have come to rest; raises the alarm when all have.
     pub(super) fn secured(&mut self, now: Tick, id: FiringId, out: &mut PlayerOutbox) {
         let Some(trouble) = self.state.exceptions().trouble(id).filter(|of| of.stage == ExceptionStage::Securing)
@@ -223,11 +234,10 @@ impl Coordination {
             return;
         };
         let Some(firing) = self.state.firing(id) else { return };
-        let is_late = trouble.since + self.state.table().handling().secure <= now;
+        let is_late = self.securing_since(id, trouble.since) + self.state.table().handling().secure <= now;
         let stands = |order: &OngoingOrder| {
-            let decided = self.way_to_rest(now, order.station, order.key);
-            let is_of = |way| is_late || (decided.is_final && way == decided.way);
-            let standing = self.standing(order.station, order.key, is_of);
+            let way = self.way_to_rest(now, order.station, order.key);
+            let standing = self.standing(order.station, order.key, way);
             Some((order.key, standing.or(is_late.then_some(SecuredState::Unknown))?))
         };
         let known: Vec<_> = self.state.owed(firing).filter_map(stands).collect();

@@ -24,6 +24,8 @@ pub(super) struct LastReport {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecureRequest {
     pub at: Tick,
+    /// Time of the first one of this way.
+    pub since: Tick,
     pub way: LeaveWay,
     /// Time of the reply to it, and whether it is still at it.
     pub answered: Option<(Tick, bool)>,
@@ -72,13 +74,13 @@ impl StationMonitor {
         seen.heard.clone_from(heard);
     }
 
-    /// Takes a station's reply to the order to leave an order. One to another order than the last does not count.
+    /// Takes a station's reply to the order to leave an order. One to less than the last one does not count.
     pub fn answered(&mut self, now: Tick, key: OrderKey, way: LeaveWay, reply: TaskReply) {
         let is_at_it = match reply {
             TaskReply::Running => true,
             TaskReply::Ended(_) | TaskReply::Refused(_) => false,
         };
-        let told = self.told.get_mut(&key).filter(|told| told.way == way);
+        let told = self.told.get_mut(&key).filter(|told| told.way <= way);
         told.into_iter().for_each(|told| told.answered = Some((now, is_at_it)));
     }
 

@@ -169,6 +169,8 @@ impl CellThread {
 
 pub(super) struct CellLoop {
     line: Line,
+    /// Fingerprint of the line, which states of stations have to have.
+    description: u64,
     ways: ShortestRoutes,
     reasons: Reasons,
     pub(super) coordination: Coordination,
@@ -253,6 +255,7 @@ impl CellLoop {
             message: CellState { boot_id, cell: cell.name, ..CellState::default() },
             said: Tick::ZERO,
             changed: true,
+            description: line.fingerprint(),
             line,
         })
     }
@@ -302,8 +305,10 @@ impl CellLoop {
         match news {
             CellInbound::Heard(station, message) => {
                 let (now, known) = (self.now(), self.states.get_mut(station.index()));
-                let newest = known.is_some_and(|known| known.offer(now, message.boot_id, message.sequence));
-                if newest && message.station == self.line.station(station).name {
+                let is_its =
+                    message.description == self.description && message.station == self.line.station(station).name;
+                // One of another description says nothing about this one: the station counts as not received.
+                if is_its && known.is_some_and(|known| known.offer(now, message.boot_id, message.sequence)) {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
                     let (heard, refused) = wire::heard(&message, self.line.station(station), unable, sensor);
                     let secured = wire::secured(&message, &heard);
@@ -314,7 +319,7 @@ impl CellLoop {
                 }
             }
             CellInbound::State(station, message) => {
-                if message.station == self.line.station(station).name {
+                if message.description == self.description && message.station == self.line.station(station).name {
                     self.unable[station.index()] = wire::unable(&message);
                     let now = self.now();
                     self.chronicle.iter_mut().for_each(|chronicle| chronicle.fault(now, station, &message.fault));

@@ -11,8 +11,8 @@ use std::time::Duration;
 use linewright_coordinator_cell::{OrderMessage, StationUnavailable, TaskReport};
 use linewright_coordinator_shell::orders::heard;
 use linewright_line::net::{Block, ControlMode, StationPlace};
-use linewright_line::{Line, OpId, OperationModule, RestId, StationId, Tick};
-use linewright_orders::{LeaveWay, OrderKey, TaskCommand, TaskOrder, TaskRefusal, TaskReply};
+use linewright_line::{Line, OpId, OperationModule, StationId, Tick};
+use linewright_orders::{LeaveWay, OrderKey, TaskCommand, TaskOrder, TaskOutcome, TaskRefusal, TaskReply};
 use linewright_station_logic::{
     CompileError, Controller, ModeOrder, NO_DELAY, OrderRules, PanelCommand, RequestWriter, Restore, StationInput,
     StationOutbox,
@@ -75,8 +75,11 @@ pub(super) struct TaskStationModel {
     stopped: BTreeSet<OrderKey>,
     /// Something has moved all the same.
     pub moves_on: bool,
-    /// Where it stood before the activity.
-    from: Option<RestId>,
+    /// The newest order before the activity.
+    before: Option<OrderKey>,
+    /// It stands in a handshake, or has completed its order; as it was when its memory was lost, if it was.
+    is_involved: bool,
+    is_forgotten: bool,
     /// A person has led it since.
     is_led: bool,
     rules: OrderRules,
@@ -108,7 +111,9 @@ impl TaskStationModel {
             twice: false,
             stopped: BTreeSet::new(),
             moves_on: false,
-            from: None,
+            before: None,
+            is_involved: false,
+            is_forgotten: false,
             is_led: false,
             rules: OrderRules::default(),
         };
@@ -118,7 +123,7 @@ impl TaskStationModel {
 
     /// The same before an activity, with some rules switched off.
     pub fn with_rules(mut self, rules: OrderRules) -> Self {
-        self.from = self.rest();
+        self.before = self.results().last().map(|(key, _)| *key);
         self.controller = self.controller.with_order_rules(rules);
         self.rules = rules;
         self
@@ -181,7 +186,8 @@ impl TaskStationModel {
 
     /// Receives the message to leave an order; `alarmed` if nothing may move for it any more.
     pub fn secure(&mut self, key: OrderKey, way: LeaveWay, alarmed: bool) {
-        self.secured = Some((key, way));
+        let before = self.secured.filter(|(of, _)| *of == key).map(|(_, way)| way);
+        self.secured = Some((key, before.map_or(way, |before| before.max(way))));
         if alarmed {
             self.stopped.insert(key);
         }
@@ -191,6 +197,11 @@ impl TaskStationModel {
 
     /// Looks whether it drives what it should not.
     fn look(&mut self, line: &Line) {
+        if !self.is_forgotten {
+            let has_done = |(key, end): &(OrderKey, TaskOutcome)| Some(*key) > self.before && *end == TaskOutcome::Done;
+            let is_in_handshake = self.controller.report().order.is_some_and(|order| order.is_in_handshake);
+            self.is_involved = is_in_handshake || self.results().iter().any(has_done);
+        }
         let is_stopped = !self.stopped.is_empty() && self.slot().is_none_or(|slot| self.stopped.contains(&slot));
         self.moves_on |= is_stopped && self.moving(line).is_some();
     }
@@ -214,8 +225,8 @@ impl TaskStationModel {
         slot.is_some_and(|slot| report.results.iter().any(|(key, _)| *key == slot))
     }
 
-    fn rest(&self) -> Option<RestId> {
-        self.controller.report().order.and_then(|order| order.rest)
+    fn results(&self) -> Vec<(OrderKey, TaskOutcome)> {
+        self.controller.report().order.map(|order| order.results).unwrap_or_default()
     }
 
     /// Whether it goes back, and whether it is a reason for others not to.
@@ -223,9 +234,7 @@ impl TaskStationModel {
         let order = self.controller.report().order.unwrap_or_default();
         let goes_back = order.slot.is_some_and(|slot| slot.is_securing) && order.rest.is_none();
         let goes_on = order.slot.is_some_and(|slot| !slot.is_securing);
-        let has_done = order.rest.is_some() && order.rest != self.from;
-        let is_involved = !self.is_led && (goes_on || has_done || order.is_in_handshake);
-        Retreat { goes_back, is_involved }
+        Retreat { goes_back, is_involved: !self.is_led && (goes_on || self.is_involved) }
     }
 
     /// The order it has or goes back from, if it does, and whether anything moves.
@@ -288,6 +297,7 @@ impl TaskStationModel {
             }
             TaskStationAct::Restart | TaskStationAct::Forget => {
                 self.boots += 1;
+                self.is_forgotten |= act == TaskStationAct::Forget;
                 let kept = match act {
                     TaskStationAct::Restart => Restore::From(self.controller.snapshot()),
                     _ => Restore::Fresh,
@@ -332,7 +342,7 @@ impl TaskStationModel {
         // Writing to a string does not fail.
         let _ = write!(
             out,
-            "{words:?} {order:?} {} {} {:?} {:?} {} {:?} {} {} {}",
+            "{words:?} {order:?} {} {} {:?} {:?} {} {:?} {} {} {} {} {}",
             self.switches,
             self.sensors,
             self.secured,
@@ -341,6 +351,8 @@ impl TaskStationModel {
             self.stopped,
             self.moves_on,
             self.is_led,
+            self.is_involved,
+            self.is_forgotten,
             self.outputs
         );
     }

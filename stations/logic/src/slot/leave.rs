@@ -68,28 +68,30 @@ impl Controller {
 
     /// Ends an order with the motion under way.
     pub(super) fn hold_order(&mut self, key: OrderKey) -> TaskReply {
-        let waited = self.waited_for().map_or(TaskFailure::Cancelled, TaskFailure::Waiting);
+        let waited = self.waited_for().map(TaskFailure::Waiting);
         let Some(orders) = &mut self.orders else { return TaskReply::Refused(TaskRefusal::Unknown) };
         if orders.known(key).is_none() {
             return self.cancel(key);
         }
         if let Some(slot) = orders.slot.as_mut().filter(|slot| slot.key == key && slot.phase == SlotPhase::Running) {
-            slot.phase = SlotPhase::Ending { failure: waited };
+            let left = if slot.begun { TaskFailure::Held } else { TaskFailure::Cancelled };
+            slot.phase = SlotPhase::Ending { failure: waited.unwrap_or(left) };
             self.due.report = true;
             self.follow_given_up();
         }
         self.left(key)
     }
 
-    /// Whether an operation of the task that waits for inputs or other stations has started and is not taken back: another station
-    /// may rely on where this one stands. It follows from the place alone, so it outlasts a restart.
+    /// Whether an operation of the task that waits for inputs or other stations has started and is not taken back, or it is not known
+    /// where the station stands: another one may rely on it. It follows from the place alone, so it outlasts a restart.
     pub(crate) fn is_in_handshake(&self) -> bool {
         let (Some(tasks), Some(place)) = (&self.program.tasks, self.marking().next()) else { return true };
+        // Where it stands is not known: it may stand anywhere.
+        if self.marking.path.is_some() || !self.is_placed() {
+            return true;
+        }
         if self.rest().is_some() {
             return false;
-        }
-        if self.marking.path.is_some() {
-            return true;
         }
         let first = tasks.task(tasks.task_of[place.op.index()]).first_step;
         let at = self.program.step_of[place.op.index()];

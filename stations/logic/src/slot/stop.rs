@@ -1,6 +1,6 @@
 //! An order whose motion is stopped: by a fault, or because the station is ordered to stop.
 //!
-//! Ordered to leave an order a station ends the motion under way and goes back. Ordered to stop it stands where it is, as a
+//! Ordered to hold or to go back a station ends the motion under way first. Ordered to stop it stands where it is, as a
 //! fault would stop it: the operation is incomplete, and only a person leads on from there. That lasts. The order counts as
 //! secured from then on, also after a restart, so no copy of a message to leave it moves anything later; and one that was on
 //! its way is not begun.

@@ -178,15 +178,15 @@ fn told_to_hold_it_ends_the_motion_and_stands_until_it_is_told_to_go_back() {
     assert_eq!((m1.leave(key(1, 2), LeaveWay::Hold), m1.on().first().copied()), (TaskReply::Running, Some("Y_in")));
     m1.arrive();
     m1.wait(Duration::from_secs(60));
-    let cancelled = TaskOutcome::Failed(TaskFailure::Cancelled);
-    assert_eq!((m1.doing().as_str(), m1.result(key(1, 2))), ("slide in (done)", Some(cancelled)));
-    assert_eq!(m1.leave(key(1, 2), LeaveWay::Hold), TaskReply::Ended(cancelled), "a copy");
+    let held = TaskOutcome::Failed(TaskFailure::Held);
+    assert_eq!((m1.doing().as_str(), m1.result(key(1, 2))), ("slide in (done)", Some(held)));
+    assert_eq!(m1.leave(key(1, 2), LeaveWay::Hold), TaskReply::Ended(held), "a copy");
     assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
     m1.arrive();
     assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
     // Before it is received an order is left the same way.
-    assert_eq!(m1.leave(key(1, 3), LeaveWay::Hold), TaskReply::Ended(cancelled));
-    assert_eq!(m1.run(&order(3, "release")), TaskReply::Ended(cancelled));
+    assert_eq!(m1.leave(key(1, 3), LeaveWay::Hold), ended(TaskFailure::Cancelled));
+    assert_eq!(m1.run(&order(3, "release")), ended(TaskFailure::Cancelled));
 }
 
 /// What its operations have waited for so far decides whether another station may rely on where it stands.
