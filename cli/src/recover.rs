@@ -83,7 +83,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         if args.json {
             crate::out::json(&RecoveryJson::of(&client, &path, found))?;
         } else {
-            crate::out::say!("{}", picture(&client, &path, &[], found, Commands::OfAll).join("\n"));
+            crate::out::say!("{}", picture(&client, &path, &[], found, Commands::All).join("\n"));
         }
         if !is_all {
             let coordinator = client.coordinator().is_none().then_some("the coordinator");
@@ -115,7 +115,7 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
                 if let (Some(before), Some(now)) = (&before, &found) {
                     done.extend(newly_done(client.line(), before, now));
                 }
-                let commands = if screen.is_some() { Commands::OfFirst } else { Commands::OfAllAgain };
+                let commands = if screen.is_some() { Commands::First } else { Commands::AllAgain };
                 let lines = picture(client, path, &done, found.as_ref(), commands);
                 match &mut screen {
                     Some(screen) => screen.show(&lines)?,
@@ -261,10 +261,10 @@ fn typed(line: &Line, path: &str, step: &RecoveryStep) -> Vec<String> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Commands {
     /// Of a picture that is drawn again after each step.
-    OfFirst,
-    OfAll,
+    First,
+    All,
     /// Of a list that is printed again whenever it is another one.
-    OfAllAgain,
+    AllAgain,
 }
 
 /// Known causes, by station.
@@ -309,10 +309,10 @@ fn picture(
         None => vec![format!("{}: no state received from the coordinator: start it", line.title)],
     };
     lines.extend(client.coordinator().and_then(|state| match commands {
-        Commands::OfAllAgain if state.refusal.is_empty() => None,
+        Commands::AllAgain if state.refusal.is_empty() => None,
         // Without its age, which makes no other list.
-        Commands::OfAllAgain => Some(format!("last refusal: {}", state.refusal)),
-        Commands::OfFirst | Commands::OfAll => refusal(state),
+        Commands::AllAgain => Some(format!("last refusal: {}", state.refusal)),
+        Commands::First | Commands::All => refusal(state),
     }));
     let is_over = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto && plan.steps.is_empty());
     let causes = if is_over { Vec::new() } else { causes(line, |id| client.station(id)) };
@@ -330,7 +330,7 @@ fn picture(
     for (at, step) in plan.steps.iter().enumerate() {
         lines.push(format!("{:>5}. {}", at + 1, step.text(line)));
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
-        if at == 0 || commands != Commands::OfFirst {
+        if at == 0 || commands != Commands::First {
             lines.extend(typed(line, path, step).into_iter().map(|typed| format!("       {typed}")));
         }
         if at == 0 {
