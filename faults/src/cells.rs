@@ -55,7 +55,7 @@ pub const CELL_MUTANTS: &[(CellMutant, u64)] = &[
     (CellMutant::SyncedRecordsLost, 3),
     (CellMutant::NotSynchronised, 1),
     (CellMutant::ForgottenUnseen, 12),
-    (CellMutant::AlarmAnsweredEarly, 494),
+    (CellMutant::AlarmAnsweredEarly, 154),
     (CellMutant::RepeatedRequestIsNew, 0),
 ];
 
