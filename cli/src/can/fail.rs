@@ -389,7 +389,7 @@ mod tests {
         let bare = error(&args("clamp_1", InjectedFault::Motion(MotionFault::Stick)));
         assert_eq!(bare.to_string(), "stick needs --operation");
         assert!(help(&bare).contains("`advance clamp`"), "{bare:?}");
-        let operation = Some("advence clamp".to_owned());
+        let operation = Some("advancex clamp".to_owned());
         let meant = FailArgs { operation, ..args("clamp_1", InjectedFault::Motion(MotionFault::Stick)) };
         assert_eq!(help(&error(&meant)), "did you mean `advance clamp`?");
     }
