@@ -13,6 +13,7 @@ use crate::program::bit;
 use super::{ActiveOrder, SlotPhase};
 
 impl Controller {
+    /// Takes the station back to where the task of an order began, as far as that goes by itself, when the motion under way has ended.
     pub(super) fn secure(&mut self, key: OrderKey) -> TaskReply {
         // Where people move the station, nothing is ordered to move by itself later.
         let by_itself = match self.commands.granted(self.now) {
@@ -130,6 +131,7 @@ impl Controller {
         self.conclude(TaskOutcome::Failed(given_up.unwrap_or(left)));
     }
 
+    /// An order that goes no further ends when nothing moves.
     fn end_standing(&mut self, failure: TaskFailure) {
         if !self.marking().any(StationPlace::is_operating) {
             self.conclude(TaskOutcome::Failed(failure));
