@@ -24,7 +24,10 @@ impl PlayerState {
         let result = match &record.fact {
             RecordKind::Epoch { epoch } => self.begin_epoch(*epoch, record.at),
             RecordKind::Memory { station, memory } => {
-                self.memory.insert(*station, *memory);
+                let before = self.memory.insert(*station, *memory);
+                if before.is_some_and(|before| before != *memory) {
+                    self.forgets(*station);
+                }
                 Ok(())
             }
             RecordKind::Decided { question, started, held } => self.decided(*question, started, held),

@@ -71,6 +71,7 @@ fn loading_in_c1_keeps_the_rules_whatever_disturbs_it_once() {
     let new = ProtocolSetting::new(&cell, &line);
     let setting = ProtocolSetting { disturbances: 1, only: Some(LOAD), states: 40_000_000, ..new };
     let found = check_protocol(&setting).unwrap_or_else(|why| panic!("{why}"));
+    println!("{}", told(&found));
     assert!(properties(&found).iter().all(|property| property.verdict == Verdict::Holds), "{}", told(&found));
 }
 

@@ -1,6 +1,6 @@
 //! Effect of the records of exceptions on a state. As in [`super::super::apply`], they are checked first, then applied.
 
-use linewright_line::Tick;
+use linewright_line::{StationId, Tick};
 
 use super::super::firing::{ActivityPhase, OngoingActivity, OngoingOrder, OrderProgress};
 use super::super::ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ResourceId, TokenDemand};
@@ -79,9 +79,24 @@ impl PlayerState {
 
     /// An activity has failed: its exception begins.
     pub(in super::super) fn exception_begins(&mut self, firing: FiringId, at: Tick) {
-        let trouble =
-            FailedActivity { since: at, standing: Vec::new(), stopped: Vec::new(), stage: ExceptionStage::Securing };
+        let trouble = FailedActivity {
+            since: at,
+            standing: Vec::new(),
+            stopped: Vec::new(),
+            forgotten: Vec::new(),
+            stage: ExceptionStage::Securing,
+        };
         self.exceptions.open.insert(firing, trouble);
+    }
+
+    /// A station has come up without its memory.
+    pub(in super::super) fn forgets(&mut self, station: StationId) {
+        for (id, trouble) in &mut self.exceptions.open {
+            let orders = self.firings.get(id).map_or(&[][..], |firing| &firing.orders);
+            if orders.iter().any(|order| order.station == station) && !trouble.forgotten.contains(&station.0) {
+                trouble.forgotten.push(station.0);
+            }
+        }
     }
 
     /// Updates the repetitions when an activity has started or ended.

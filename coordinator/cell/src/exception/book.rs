@@ -35,6 +35,9 @@ pub struct FailedActivity {
     /// The stations that went into emergency stop because of it. Those that were reset since do not do so again.
     #[serde(default)]
     pub stopped: Vec<u16>,
+    /// The stations that have come up without their memory since it failed: they may have completed their orders.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub forgotten: Vec<u16>,
     /// Current stage.
     pub stage: ExceptionStage,
 }

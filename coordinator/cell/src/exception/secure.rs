@@ -153,6 +153,10 @@ impl Coordination {
     /// order that has failed is on its way back from it.
     fn order_left(&self, now: Tick, firing: &OngoingActivity, order: &OngoingOrder) -> Option<OrderLeft> {
         let heard = self.fresh(now, order.station)?;
+        let trouble = self.state.exceptions().trouble(firing.id);
+        if trouble.is_some_and(|trouble| trouble.forgotten.contains(&order.station.0)) {
+            return Some(OrderLeft::Involved);
+        }
         let is_at_it = heard.slot == Some(order.key);
         let failed = |(key, end): &(OrderKey, TaskOutcome)| *key == order.key && matches!(end, TaskOutcome::Failed(_));
         let has_failed = heard.results.iter().any(failed);

@@ -120,6 +120,12 @@ fn a_station_goes_back_only_where_the_other_stands_where_its_order_began() {
     assert!(!robot_goes_back(ends), "it has closed");
     let silent = |bench: &mut CellBench, tenth: u64| bench.at("m1").is_away = tenth > 220;
     assert!(!robot_goes_back(silent), "it may have begun since its last report");
+    let forgets = |bench: &mut CellBench, tenth: u64| {
+        if tenth == 238 {
+            bench.at("m1").forget();
+        }
+    };
+    assert!(!robot_goes_back(forgets), "it may have completed its order");
     let restart = |bench: &mut CellBench, tenth: u64| {
         if tenth == 238 {
             bench.sim.options.crash_at = (0..4).map(|step| bench.sim.steps + 20 * step).collect();
