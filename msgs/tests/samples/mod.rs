@@ -210,7 +210,7 @@ pub fn order_state() -> OrderState {
         phase: RunTaskFeedback::PHASE_RUNNING,
         secured_epoch: 3,
         secured_id: 37,
-        secured_way: SecureOrder::WAY_HOLD,
+        secured_way: SecureOrder::WAY_BACK,
         rest: "home".into(),
         in_handshake: true,
         ended: Bounded::new(vec![end(38, RunTaskResult::END_DONE, 0), end(40, RunTaskResult::END_FAILED, 7)]).unwrap(),

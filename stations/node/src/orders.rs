@@ -99,6 +99,10 @@ impl TaskOrderTopics {
 
     /// The controller's input from an order to leave an order.
     pub fn secure(&mut self, key: OrderKey, way: LeaveWay) -> OrderInbound {
+        // Nothing follows from a hold but the end of the order, which the results show.
+        if way == LeaveWay::Hold {
+            return OrderInbound::Leave(key, way);
+        }
         // In effect from the next state on, which is made after the controller has taken it in.
         let message = &mut self.message;
         let is_same = (message.secured_epoch, message.secured_id) == (key.epoch, key.id);

@@ -186,8 +186,10 @@ impl TaskStationModel {
 
     /// Receives the message to leave an order; `alarmed` if nothing may move for it any more.
     pub fn secure(&mut self, key: OrderKey, way: LeaveWay, alarmed: bool) {
-        let before = self.secured.filter(|(of, _)| *of == key).map(|(_, way)| way);
-        self.secured = Some((key, before.map_or(way, |before| before.max(way))));
+        if way != LeaveWay::Hold {
+            let before = self.secured.filter(|(of, _)| *of == key).map(|(_, way)| way);
+            self.secured = Some((key, before.map_or(way, |before| before.max(way))));
+        }
         if alarmed {
             self.stopped.insert(key);
         }
