@@ -16,6 +16,8 @@ pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Resu
     let mut client = OperatorClient::open(line, &args.line, ros, "operator")?;
     let publisher = client.resume()?;
     client.until_connected(CONNECT).await?;
+    // A station that is not received yet may stand half-way all the same.
+    let is_all_heard = client.until_all_heard(CONNECT).await?;
     let all: Vec<StationId> = line.station_ids().collect();
     if let Err(mode) = until_mode(&mut client, all[0], StationState::MODE_MANUAL).await? {
         let why = format!("it takes effect in manual only; the mode is {mode}");
@@ -24,7 +26,14 @@ pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Resu
     let is_stopped = |id: &StationId| client.station(*id).is_some_and(|state| !state.incomplete.is_empty());
     let stations: Vec<StationId> = all.iter().copied().filter(is_stopped).collect();
     if stations.is_empty() {
-        let why = "no operation is incomplete".to_owned();
+        let unheard: Vec<&str> = client.unheard().collect();
+        let why = match is_all_heard {
+            true => "no operation is incomplete".to_owned(),
+            false => format!(
+                "no operation is incomplete at the stations received; nothing is received of {}",
+                unheard.join(", ")
+            ),
+        };
         return answer(&client, args, &all, PressOutcome::Refused(why));
     }
     let before = client.coordinator().map_or(0, |state| state.refusals);
