@@ -294,3 +294,19 @@ fn what_only_a_neighbour_waits_for_can_be_got_round_by_taking_it_back() {
     let explored = explored(&setting, 200_000);
     assert!(explored.exhausted && !met(&explored));
 }
+
+/// No arrow leads back: the feeder goes on while the lifter has done nothing yet.
+#[test]
+fn a_station_that_runs_ahead_is_named_as_the_one_ahead() {
+    let mut line = cell(&[("feeder: push", "lifter: grip", 0)]);
+    line.conflicts.clear();
+    for (ahead, behind) in [("feeder", "lifter"), ("lifter", "feeder")] {
+        if ahead == "lifter" {
+            line.arrows.iter_mut().for_each(|arrow| std::mem::swap(&mut arrow.from, &mut arrow.to));
+        }
+        let explored = explored(&undisturbed(&line), 100_000);
+        let apart = explored.properties.iter().find(|of| of.name == APART);
+        let end = apart.and_then(|of| of.counterexample.as_ref()).map(|path| path.end.clone()).expect("it is found");
+        assert!(end.starts_with(&format!("{ahead} is ")) && end.contains(&format!("ahead of {behind},")), "{end}");
+    }
+}

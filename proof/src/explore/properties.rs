@@ -127,11 +127,11 @@ impl System {
                 format!("{}: {what}", self.setting.line.stations[station].name)
             }
             Violation::Apart(least, most) => {
-                let name = |cycle: i32| {
-                    let at = state.cycles.iter().position(|of| *of == cycle).unwrap_or(0);
-                    &self.setting.line.stations[at].name
-                };
-                format!("{} is {} cycles ahead of {}, too far", name(most), most - least, name(least))
+                // The way there may count from another cycle than the state that was found.
+                let (cycles, stations) = (&state.cycles, &self.setting.line.stations);
+                let ahead = (0..stations.len()).max_by_key(|&at| cycles[at]).map_or("", |at| &stations[at].name);
+                let behind = (0..stations.len()).min_by_key(|&at| cycles[at]).map_or("", |at| &stations[at].name);
+                format!("{ahead} is {} cycles ahead of {behind}, too far", most - least)
             }
         }
     }
