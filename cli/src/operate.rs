@@ -125,7 +125,8 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     Ok(if state.is_some() && has_stopped && missed.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Whether this command was refused since there were so many refusals. Another console's may have been, which gives other words.
+/// Whether this command was refused after the coordinator had counted so many refusals. A refusal of another console's command is
+/// none, unless it is the same command.
 fn is_refused(state: &LineState, words: &str, refusals: u64) -> bool {
     state.refusals > refusals && state.refused == words
 }

@@ -1,4 +1,4 @@
-//! What a check that takes long says meanwhile.
+//! Progress on standard error while a check takes long.
 
 use std::io::IsTerminal;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 const FIRST: Duration = Duration::from_secs(2);
 const AGAIN: Duration = Duration::from_secs(20);
 
-/// Says on standard error, where that is a terminal, that a check goes on, until this is dropped.
+/// Prints the time that a check has taken so far on standard error, if that is a terminal, until it is dropped.
 pub struct SlowCheck {
     _ends: Option<Sender<()>>,
 }

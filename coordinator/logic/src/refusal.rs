@@ -113,7 +113,7 @@ impl OperatorCommand {
         }
     }
 
-    /// The words in which it is given.
+    /// The command as it is sent on the topic: its name, and the station where it is for one alone.
     pub fn words(self, line: &Line) -> String {
         match self {
             OperatorCommand::Single(station, _) => format!("{} {}", self.name(), line.station(station).name),

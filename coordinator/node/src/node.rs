@@ -330,7 +330,7 @@ impl CoordinatorLoop {
         Ok(held)
     }
 
-    /// `command`: the words of a command that is one.
+    /// Counts a refusal. `command`: the command as it was sent; empty where something else was refused.
     fn refuse(&mut self, text: String, command: String) {
         self.refusals.refuse(self.clock.now(), text, command);
         self.shell.answer_soon();

@@ -1,9 +1,8 @@
 //! Bringing the stations of a failed activity to rest: their orders, and the evidence that they stand.
 //!
 //! First all are ordered to hold: the motion under way ends, the order too. Which of them go back to where their orders began is
-//! decided when all stand, by the rule that nothing may rely on where a station stands that goes back. A station whose operations so
-//! far have waited for nothing outside has done what it does without regard to the others; so one that stands there, or where its
-//! order began, holds nobody up. Another one is in a handshake. So
+//! decided when all stand: a station goes back only if no other one relies on where it stands. A station relies on others from the first
+//! operation of its task that waits for inputs or other stations until that is taken back; there it is in a handshake. So
 //!
 //! - a station goes back while no other one of the activity is in a handshake, and none has completed its order;
 //! - one in a handshake goes back first, and the others when it stands where its order began;

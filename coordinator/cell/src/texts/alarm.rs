@@ -195,8 +195,8 @@ fn awaited(of: &Coordination, firing: &OngoingActivity, order: &OngoingOrder, fa
     }
 }
 
-/// Meanings of the answers to an alarm, in the order of its `words`: what becomes of the activity, and where its part is then. Empty for
-/// an answer that no rule has.
+/// For each answer that an alarm permits, in their order: what becomes of the activity, and where its part is then. Empty for an answer
+/// that no rule has.
 pub fn meanings(of: &Coordination, alarm: &Alarm) -> Vec<String> {
     let state = of.state();
     let (handling, rulings) = (state.table().handling(), of.rulings(alarm.id));
