@@ -209,7 +209,7 @@ impl NetSheet {
             SheetPoint { x, y: at.y }
         };
         let verticals: Vec<SheetPoint> = ends.iter().map(|&(place, _)| beside(place)).collect();
-        let x = verticals.iter().map(|at| at.x).sum::<f64>() / verticals.len() as f64;
+        let x = beside_verticals(verticals.iter().map(|at| at.x).sum::<f64>() / verticals.len() as f64);
         self.arcs.extend(ends.iter().zip(verticals).map(|(&(place, is_output), corner)| SheetArc {
             place,
             transition: number,
@@ -222,6 +222,14 @@ impl NetSheet {
 
 /// x of the right places of a module.
 const RIGHT: f64 = 150.0;
+
+/// The x next to `x` at which no vertical of any lane runs: these are within [`SIDE`] of a module, so its middle and the gutter
+/// between two columns are free.
+fn beside_verticals(x: f64) -> f64 {
+    let middle = |free: f64| MARGIN + free + ((x - MARGIN - free) / COLUMN).round().max(0.0) * COLUMN;
+    let (module, gutter) = (middle(INDENT + RIGHT / 2.0), middle(GUTTER));
+    if (x - module).abs() <= (x - gutter).abs() { module } else { gutter }
+}
 
 /// The upper left corner of an operation's module, at the height of p2.
 fn module(station: &Station, op: crate::OpId, above: f64) -> SheetPoint {
