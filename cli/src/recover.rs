@@ -217,6 +217,7 @@ fn alarms(line: &Line, cell: &CellState) -> Vec<StandingAlarm> {
         meanings: alarm.meanings.to_vec(),
         lead: named(line, &alarm.lead),
         reset: named(line, &alarm.reset),
+        at_order: named(line, &alarm.at_order),
         end: led_to(alarm.lead_to).map(|end| DecidedEnd { end, because: alarm.lead_because.clone() }),
         bring: line.station_named(&alarm.bring).and_then(|id| Some((id, line.station(id).rest_named(&alarm.to_rest)?))),
     };
@@ -403,6 +404,7 @@ mod tests {
             meanings: Vec::new(),
             lead: Vec::new(),
             reset: Vec::new(),
+            at_order: Vec::new(),
             end: None,
             bring: None,
         };

@@ -208,7 +208,11 @@ fn planned_now(line: &Line, situation: &LineSituation) -> RecoveryPlan {
         let is_brought = found.steps.iter().any(|step| matches!(step.action, RecoveryAction::Hold { .. }));
         // Answered when what they ask for is done, and a resource is led to a rest by then.
         let last = found.steps.len() - usize::from(found.end == RecoveryEnd::Auto && !found.steps.is_empty());
-        found.steps.splice(last..last, answers(is_brought));
+        // A station that still has an order ends it in auto.
+        let (before, after): (Vec<_>, Vec<_>) =
+            situation.alarms.iter().partition(|of: &&StandingAlarm| of.at_order.is_empty());
+        found.steps.splice(last..last, before.into_iter().flat_map(|alarm| answered(alarm, is_brought)));
+        found.steps.extend(after.into_iter().flat_map(|alarm| answered(alarm, is_brought)));
         steps.append(&mut found.steps);
         return RecoveryPlan { steps, ..found };
     }

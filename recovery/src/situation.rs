@@ -47,6 +47,8 @@ pub struct StandingAlarm {
     pub lead: Vec<StationId>,
     /// Those of them that are in emergency stop by themselves, to be reset before they are led.
     pub reset: Vec<StationId>,
+    /// Stations that end an order of what has failed by themselves, in auto: before that no answer is taken.
+    pub at_order: Vec<StationId>,
     /// Which way; none where either will do, for all of them alike.
     pub end: Option<DecidedEnd>,
     /// The station that is to be brought to another rest in hand mode before that, and the rest.

@@ -1,5 +1,6 @@
 //! Alarms of a cell in a plan: what they ask to be led is led, and they are answered.
 
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, StationId, Tick};
 use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, StandingAlarm, plan};
@@ -17,6 +18,7 @@ fn alarm(lead: &[StationId], reset: &[StationId]) -> StandingAlarm {
         meanings: vec!["not done, part at M1".to_owned()],
         lead: lead.to_vec(),
         reset: reset.to_vec(),
+        at_order: Vec::new(),
         end: None,
         bring: None,
     }
@@ -50,7 +52,6 @@ fn place_of(steps: &[linewright_recovery::RecoveryStep], is_it: impl Fn(&Recover
 
 #[test]
 fn stations_that_an_alarm_asks_about_are_led_to_a_rest_before_its_answer() {
-    use linewright_coordinator_logic::ModeCommand;
     for mode in [ControlMode::StandBy, ControlMode::Auto] {
         let (line, seen) = two_are_left_out(mode);
         let found = plan(&line, &seen);
@@ -135,7 +136,6 @@ fn a_station_in_emergency_stop_by_itself_is_reset_before_it_is_led() {
 /// The others end their tasks, and the line is at home then: hand mode is given after start.
 #[test]
 fn from_auto_the_start_is_listed_that_leads_from_home_to_hand() {
-    use linewright_coordinator_logic::ModeCommand;
     let (line, mut seen) = two_are_left_out(ControlMode::Auto);
     let named = |name| line.station_named(name).expect("it is one");
     let (m1, robot) = (named("m1"), named("robot"));
@@ -172,6 +172,25 @@ fn from_auto_the_start_is_listed_that_leads_from_home_to_hand() {
     let way = [ModeCommand::Stop, ModeCommand::Start, ModeCommand::Hand, ModeCommand::Auto];
     assert_eq!(commands, way, "{texts:#?}");
     assert!(place_of(&found.steps, |of| matches!(of, RecoveryAction::Hold { .. })).is_some(), "{texts:#?}");
+}
+
+/// A station that the line's leaving auto has stopped on its way back goes on in auto, and no answer is taken before.
+#[test]
+fn an_alarm_whose_station_still_has_an_order_is_answered_in_auto() {
+    let (line, mut seen) = two_are_left_out(ControlMode::StandBy);
+    let held = std::mem::take(&mut seen.alarms[0].lead);
+    seen.alarms[0].at_order = held[..1].to_vec();
+    let place = |seen: &LineSituation| {
+        let found = plan(&line, seen);
+        let auto = place_of(&found.steps, |of| *of == RecoveryAction::Command(ModeCommand::Auto));
+        let answer = place_of(&found.steps, |of| matches!(of, RecoveryAction::First(Need::Answer(_))));
+        (auto.expect("auto is given"), answer.expect("it is answered"))
+    };
+    let (auto, answer) = place(&seen);
+    assert!(auto < answer);
+    seen.alarms[0].at_order.clear();
+    let (auto, answer) = place(&seen);
+    assert!(answer < auto);
 }
 
 /// In the seconds before its alarm a failed activity is not over, whatever the mode is.

@@ -89,8 +89,9 @@ impl WrongRest {
             seen.left_out = vec![self.station];
             let bring = Some((self.station, self.wanted)).filter(|_| self.rest() != Some(self.wanted));
             let (text, answers) = ("m1 stands at rest \"clamped\".".to_owned(), vec!["up".to_owned()]);
-            let (meanings, lead, reset) = (Vec::new(), Vec::new(), Vec::new());
-            seen.alarms = vec![StandingAlarm { id: 7, text, answers, meanings, lead, reset, end: None, bring }];
+            let (meanings, lead, reset, at_order) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+            let alarm = StandingAlarm { id: 7, text, answers, meanings, lead, reset, at_order, end: None, bring };
+            seen.alarms = vec![alarm];
         }
         seen
     }

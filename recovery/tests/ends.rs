@@ -104,6 +104,7 @@ impl Transfer {
             meanings: Vec::new(),
             lead: self.held(),
             reset: Vec::new(),
+            at_order: Vec::new(),
             end: end.cloned(),
             bring: None,
         }];

@@ -187,6 +187,7 @@ impl<'l> Transfer<'l> {
             meanings: Vec::new(),
             lead,
             reset: Vec::new(),
+            at_order: Vec::new(),
             end: end.map(|end| DecidedEnd { end, because: "it is decided".to_owned() }),
             bring: None,
         }];

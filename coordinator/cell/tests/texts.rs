@@ -160,6 +160,7 @@ fn standings() -> Vec<StationStanding> {
         StationStanding::Done => StationStanding::Done;
         StationStanding::AtRest => StationStanding::AtRest;
         StationStanding::Held => StationStanding::Held;
+        StationStanding::AtOrder => StationStanding::AtOrder;
         StationStanding::Unknown => StationStanding::Unknown;
         StationStanding::StoreReset => StationStanding::StoreReset;
         StationStanding::NotBegun => StationStanding::NotBegun;

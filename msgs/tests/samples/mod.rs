@@ -268,6 +268,7 @@ pub fn cell_state() -> CellState {
         meanings: vec!["part in ST".into()],
         lead: vec!["s1".into(), "s2".into()],
         reset: vec!["s2".into()],
+        at_order: vec!["s5".into()],
         lead_to: AlarmState::LEAD_ON,
         lead_because: "s3 has completed its order".into(),
         bring: "s4".into(),

@@ -65,7 +65,7 @@ impl Coordination {
         let ruling =
             self.rulings(alarm).into_iter().find(|ruling| ruling.word == word).ok_or(AlarmAnswerRefusal::NoSuchWord)?;
         let handling = self.state.table().handling();
-        if let Some(station) = self.moving(now, firing) {
+        if let Some(station) = self.moving(now, firing).next() {
             return Err(AlarmAnswerRefusal::Moves(station));
         }
         // In manual by itself it may still be moved, also from where its order began: the activity keeps all it has taken.

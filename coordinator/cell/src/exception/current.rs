@@ -54,6 +54,7 @@ impl Coordination {
         }
         match (exceptions.stands(firing, order.key), order.state) {
             (_, OrderProgress::Ended) => StationStanding::Done,
+            (Some(_), _) if received.is_some_and(|of| of.slot == Some(order.key)) => StationStanding::AtOrder,
             (Some(SecuredState::AtRest), _) => StationStanding::AtRest,
             (Some(SecuredState::Held), _) if has_left => StationStanding::AtRest,
             (Some(SecuredState::Held), _) => StationStanding::Held,

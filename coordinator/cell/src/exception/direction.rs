@@ -43,6 +43,8 @@ pub struct StationsToLead {
     pub lead: Vec<StationId>,
     /// Those of them that are in emergency stop by themselves.
     pub reset: Vec<StationId>,
+    /// Those that still have an order of what has failed: they end it by themselves, in auto. Until then no answer is taken.
+    pub at_order: Vec<StationId>,
     /// Why they are led on or back; none where either will do, for all of them alike.
     pub reason: Option<LeadReason>,
 }
@@ -64,7 +66,10 @@ impl Coordination {
         let is_stopped = |station: &StationId| self.state().exceptions().is_stopped(*station);
         let reset = lead.iter().copied().filter(is_stopped).collect();
         let reason = if lead.is_empty() { None } else { self.lead_reason(now, firing) };
-        StationsToLead { lead, reset, reason }
+        let mut at_order: Vec<StationId> = self.moving(now, firing).collect();
+        at_order.sort_unstable();
+        at_order.dedup();
+        StationsToLead { lead, reset, at_order, reason }
     }
 
     fn lead_reason(&self, now: Tick, firing: &OngoingActivity) -> Option<LeadReason> {
@@ -76,6 +81,7 @@ impl Coordination {
             }
             StationStanding::Held
             | StationStanding::EmergencyStop
+            | StationStanding::AtOrder
             | StationStanding::Unknown
             | StationStanding::StoreReset => None,
         });

@@ -91,12 +91,12 @@ impl Coordination {
         self.rules.stands_first && (self.rules.slot_counts || !has_ended(heard.slot))
     }
 
-    /// The first station of an activity, of its orders or of its resources, that has to stand and moves.
-    pub(super) fn moving(&self, now: Tick, firing: &OngoingActivity) -> Option<StationId> {
+    /// The stations of an activity, of its orders or of its resources, that have to stand and move.
+    pub(super) fn moving(&self, now: Tick, firing: &OngoingActivity) -> impl Iterator<Item = StationId> {
         let handling = self.state.table().handling();
         let ordered = firing.orders.iter().map(|order| order.station);
         let part = handling.mode(firing.mode).resources().filter_map(|id| handling.resource(id)?.station);
-        ordered.chain(part).find(|&station| self.moves(now, station))
+        ordered.chain(part).filter(move |&station| self.moves(now, station))
     }
 
     /// A station with an order of the activity that is in manual by itself: a person may move it.
@@ -257,7 +257,7 @@ impl Coordination {
         let (mode, part) = (firing.mode, firing.part);
         // In manual by itself a station may be moved after what the sensors are read for.
         let by_hand = || self.led_by_hand(firing).map(|station| alarm::led_by_hand(&self.state, &ruling, station));
-        let moved = self.moving(now, firing).map(|station| alarm::moved(&self.state, &ruling, station));
+        let moved = self.moving(now, firing).next().map(|station| alarm::moved(&self.state, &ruling, station));
         if let Some(finding) = moved.or_else(by_hand) {
             let text = alarm::again(&finding, &alarm::alarm(self, firing, cause, now));
             let answers = self.answers(firing, cause);

@@ -29,7 +29,7 @@ pub(crate) fn alarm(of: &Coordination, firing: &OngoingActivity, cause: Activity
         let part = firing.part.map(|part| super::part(state, part));
         AlarmText::Failed { activity: state.table().called(firing.mode), part: part.as_deref() }.text()
     });
-    let StationsToLead { lead, reset, reason } = of.stations_to_lead(now, firing);
+    let StationsToLead { lead, reset, reason, at_order: _ } = of.stations_to_lead(now, firing);
     let names = |ids: Vec<StationId>| -> Vec<String> { ids.into_iter().map(|id| handling.station_name(id)).collect() };
     let (held, stopped) = (names(lead), names(reset));
     let text = AlarmText::WithFacts { tell: &tell, facts: &facts(of, firing, cause, now) }.text();
@@ -108,6 +108,8 @@ pub enum StationStanding {
     AtRest,
     /// Between two rests.
     Held,
+    /// Still at its order, which it goes back from, or ends, in auto.
+    AtOrder,
     /// Not reported at rest in time.
     Unknown,
     /// Its order store was reset.
@@ -124,6 +126,7 @@ impl StationStanding {
             StationStanding::Done => "order done",
             StationStanding::AtRest => "at rest",
             StationStanding::Held => "stopped between two rests",
+            StationStanding::AtOrder => "still at its order, to be ended in auto",
             StationStanding::Unknown => "rest not confirmed",
             StationStanding::StoreReset => "restarted with an empty order store",
             StationStanding::NotBegun => "order not begun",

@@ -65,7 +65,10 @@ impl AlarmAnswerRefusal {
             AlarmAnswerRefusal::AlreadySo => "already in that state".to_owned(),
             AlarmAnswerRefusal::Moves(id) if is_reset => format!("{}: standstill not confirmed", station(id)),
             AlarmAnswerRefusal::Moves(id) => {
-                format!("{} is moving; wait for standstill, check where the part is, then answer", station(id))
+                format!(
+                    "{} is still at an order, which it ends by itself in auto; wait for standstill, check where the part is, then answer",
+                    station(id)
+                )
             }
             AlarmAnswerRefusal::HasPart(id) => {
                 format!("{}: sensor on, but the answer states no part there", resource(id))

@@ -41,9 +41,14 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     assert!(alarm.text.contains("robot: at rest"), "{}", alarm.text);
     // It begins to move again.
     bench.say(PlayerInput::Station(robot, &moves));
+    let leads = bench.sim.coordination.alarm_leads(bench.sim.now, &alarm);
+    assert_eq!((leads.at_order, leads.lead), (vec![robot], Vec::new()));
+    let text = bench.alarm_now();
+    assert!(text.contains("robot: still at its order, to be ended in auto"), "{text}");
     bench.answer("as-before");
     assert_eq!(bench.objections(), [(ResourceRequest::Answer(alarm.id), AlarmAnswerRefusal::Moves(robot))]);
     bench.say(PlayerInput::Station(robot, &stands));
+    assert_eq!(bench.sim.coordination.alarm_leads(bench.sim.now, &alarm).at_order, []);
     bench.answer("as-before");
     // And once more, before what was answered has been compared.
     bench.say(PlayerInput::Station(robot, &moves));

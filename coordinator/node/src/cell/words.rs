@@ -40,7 +40,7 @@ pub fn describe(
     message.orders_open = count(production.orders().filter(|order| order.ended.is_none()).count());
     let names = |ids: Vec<StationId>| ids.into_iter().map(|id| line.station(id).name.clone()).collect();
     let alarm = |alarm: &Alarm| {
-        let StationsToLead { lead, reset, reason } = coordination.alarm_leads(now, alarm);
+        let StationsToLead { lead, reset, at_order, reason } = coordination.alarm_leads(now, alarm);
         let direction = |direction| match direction {
             LeadDirection::On => AlarmState::LEAD_ON,
             LeadDirection::Back => AlarmState::LEAD_BACK,
@@ -58,6 +58,7 @@ pub fn describe(
             meanings: Vec::new(),
             lead: names(lead),
             reset: names(reset),
+            at_order: names(at_order),
             lead_to: reason.map_or(AlarmState::LEAD_EITHER, |reason| direction(reason.direction())),
             lead_because: reason.map(|reason| texts::alarm::because(table.handling(), reason)).unwrap_or_default(),
             bring: brings.map(|(station, _)| line.station(station).name.clone()).unwrap_or_default(),
