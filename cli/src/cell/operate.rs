@@ -289,7 +289,7 @@ enum Compared {
     },
     /// Another alarm says why.
     TakenBack {
-        now: AlarmState,
+        now: Box<AlarmState>,
     },
 }
 
@@ -309,7 +309,7 @@ fn comparison(before: &CellState, state: &CellState, word: &str) -> Option<Compa
     let is_new = |alarm: &&AlarmState| before.alarms.as_slice().iter().all(|had| had.id < alarm.id);
     let back = state.alarms.as_slice().iter().filter(is_new).find(|alarm| takes_back(&alarm.text, word));
     if let Some(now) = back {
-        return Some(Compared::TakenBack { now: now.clone() });
+        return Some(Compared::TakenBack { now: Box::new(now.clone()) });
     }
     let had = before.down.as_slice();
     let left_out: Vec<String> = state.down.as_slice().iter().filter(|name| !had.contains(name)).cloned().collect();
