@@ -464,6 +464,8 @@ impl World {
         if let Some(sequence) = sequence {
             self.send_order(which, sequence);
         }
-        self.after(self.line.timing.refresh, Event::OrderAgain { life });
+        // A timer that has run out while it stood rings when it runs again.
+        let again = if runs { self.line.timing.refresh } else { Duration::from_millis(1) };
+        self.after(again, Event::OrderAgain { life });
     }
 }

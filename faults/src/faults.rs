@@ -196,16 +196,18 @@ impl World {
         let process = self.process(node);
         process.stalls -= 1;
         let runs = process.stalls == 0;
-        if runs {
-            process.resumed = now;
-            process.resume(now);
-        }
+        let late = if runs { process.resume(now) } else { None };
         for owner in self.managed(node) {
             self.io[owner].find(now, &mut self.plant);
             self.after_plant(owner);
         }
-        if runs {
-            self.run_node(node);
+        match late {
+            Some(at) => {
+                let local = self.process(node).clock(at);
+                self.wake(node, local);
+            }
+            None if runs => self.run_node(node),
+            None => {}
         }
     }
 

@@ -22,7 +22,7 @@ pub enum FaultEvent {
     KillAll,
     /// A host loses its power until the fault ends, with what was not on its disk.
     PowerCut(usize),
-    /// A process stands; `suspends`: with its clock, as a machine that sleeps.
+    /// A process stands; `suspends`: with its timers, as a machine that sleeps.
     Stall { node: usize, suspends: bool },
     /// A disk is slow, or fails.
     Disk(usize, DiskState),

@@ -29,8 +29,8 @@ pub(crate) struct Process {
     pub(crate) resumed: Tick,
     /// What its clock shows is this much more than the time of the world, which begins at a day.
     origin: u64,
-    /// Since then its clock stands.
-    suspended: Option<Tick>,
+    /// Its machine sleeps: since when, and when it would have been called.
+    suspended: Option<(Tick, Tick)>,
     /// Messages that wait, since when, and whether the observer has seen them arrive.
     pub(crate) inbox: VecDeque<(Message, Tick, bool)>,
     pub(crate) writing: Option<Writing>,
@@ -85,16 +85,17 @@ impl Process {
         if local == Tick::NEVER { local } else { Tick::from_micros(local.as_micros().saturating_sub(self.origin)) }
     }
 
-    /// Its machine sleeps: the clock stands.
+    /// Its machine sleeps. Its clock goes on (`CLOCK_BOOTTIME`), the timers that call it stand.
     pub(crate) fn suspend(&mut self, now: Tick) {
-        self.suspended.get_or_insert(now);
+        let wakes = std::mem::replace(&mut self.wakes, Tick::NEVER);
+        self.suspended.get_or_insert((now, wakes));
     }
 
-    pub(crate) fn resume(&mut self, now: Tick) {
-        if let Some(since) = self.suspended.take() {
-            self.origin = self.origin.saturating_sub(now.since(since).as_micros() as u64);
-            // By its own clock no time has passed.
-            self.inbox.iter_mut().for_each(|(_, delivered, _)| *delivered = now);
-        }
+    /// It runs again. Gives the time at which its timer calls it, late by as long as its machine slept; none where it runs at once, as after
+    /// a mere standstill, or with what has arrived.
+    pub(crate) fn resume(&mut self, now: Tick) -> Option<Tick> {
+        self.resumed = now;
+        let (since, wakes) = self.suspended.take()?;
+        (self.inbox.is_empty() && wakes != Tick::NEVER).then(|| now + wakes.since(since))
     }
 }

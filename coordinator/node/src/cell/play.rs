@@ -18,6 +18,7 @@ use linewright_coordinator_cell::schedule::{PlanActualBar, RolloutScheduler};
 use linewright_coordinator_cell::{
     CellEvent, CellMessage, Coordination, OldEpoch, PlayerInput, PlayerOutbox, RecordKind,
 };
+use linewright_fieldbus::Clock;
 use linewright_history::Note;
 use linewright_line::{InputId, Line, Tick};
 use linewright_msgs::{CellState, WhyNotResponse};
@@ -187,7 +188,7 @@ pub(super) struct CellLoop {
     reports: NewestReports,
     /// The time when this life began, and by which clock it goes on.
     origin: Tick,
-    began: tokio::time::Instant,
+    clock: Clock,
     pub(super) told: Vec<PlayerMessage>,
     pub(super) people: PendingReplies,
     /// Reasons why stations can do nothing now, from their states; and the inputs that sense their parts.
@@ -246,7 +247,7 @@ impl CellLoop {
             states: vec![NewestBySequence::new(line.timing.stale); line.stations.len()],
             reports: NewestReports::new(),
             origin,
-            began: tokio::time::Instant::now(),
+            clock: Clock::start(),
             told: Vec::new(),
             people: PendingReplies::default(),
             unable: vec![None; line.stations.len()],
@@ -261,7 +262,7 @@ impl CellLoop {
     }
 
     pub(super) fn now(&self) -> Tick {
-        self.origin + self.began.elapsed()
+        self.origin + self.clock.now().since(Tick::ZERO)
     }
 
     async fn play(&mut self, watchdog: &Watchdog) -> Result<(), CellError> {
@@ -269,7 +270,7 @@ impl CellLoop {
             // At least as often as the state is published.
             watchdog.feed();
             self.act()?;
-            let wake = self.began + self.deadline().since(self.origin);
+            let wake = self.clock.instant(Tick::ZERO + self.deadline().since(self.origin));
             tokio::select! {
                 news = self.from.recv() => match news {
                     Some(news) => self.take(news),
