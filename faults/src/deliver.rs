@@ -47,6 +47,10 @@ impl World {
         self.run_node(to);
     }
 
+    fn selects_manual(&self, at: usize) -> bool {
+        self.controller(at).is_some_and(|of| of.report().selector_manual)
+    }
+
     /// A process that runs has received a message, whatever it does at the moment. What has waited for a process that stood, for
     /// longer than a standstill may last without being noticed, counts from when it was `delivered`.
     pub(crate) fn arrives(&mut self, to: usize, message: &Message, delivered: Tick) {
@@ -64,11 +68,14 @@ impl World {
             Message::Order { order, sequence } if to < self.stations.len() => {
                 let coordinator = self.coordinators[0].shell.as_ref().map(|shell| shell.coordinator());
                 let in_stop = coordinator.is_some_and(|of| of.mode() == ControlMode::EStop);
-                let manual_waits = coordinator.is_some_and(|of| of.order().manual_all);
+                let by_selector = || (0..self.stations.len()).any(|at| self.selects_manual(at));
+                let manual_waits = coordinator
+                    .filter(|_| in_stop)
+                    .is_some_and(|of| of.order().manual_all || (!of.standing().is_latched && by_selector()));
                 let stop = self.observer.ordered((self.now, since), to, order, (in_stop, manual_waits));
                 // One with a longer lease is not taken, and its number neither.
                 if *sequence == FORGED_NUMBER && order.lease <= timing.lease {
-                    self.observer.forget_lives(to);
+                    self.observer.forget_life(to, order.boot_id);
                 }
                 if let Some(stop) = stop {
                     let behind = self.is_behind_gateway(to);
@@ -78,10 +85,9 @@ impl World {
             }
             Message::Command(command) if to >= self.stations.len() => {
                 self.observer.commanded(to, *command);
-                let by_selector = |at: usize| self.controller(at).is_some_and(|of| of.report().selector_manual);
                 let is_manual = match command {
                     ModeCommand::Manual => true,
-                    ModeCommand::Reset => (0..self.stations.len()).any(by_selector),
+                    ModeCommand::Reset => (0..self.stations.len()).any(|at| self.selects_manual(at)),
                     _ => false,
                 };
                 if is_manual {

@@ -247,9 +247,9 @@ impl Observer {
         }
     }
 
-    /// What a forged order has as its epoch says nothing of those that follow.
-    pub(crate) fn forget_lives(&mut self, at: usize) {
-        self.stations[at].lives.clear();
+    /// What a forged order has as its epoch says nothing of those of this life that follow.
+    pub(crate) fn forget_life(&mut self, at: usize, life: u64) {
+        self.stations[at].lives.retain(|known| known.life != life);
     }
 
     /// An order with a number that its coordinator never gave has been sent to a station: those of the coordinator are taken for
