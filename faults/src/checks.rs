@@ -21,7 +21,7 @@ const CLOSE: Duration = Duration::from_millis(80);
 /// A life of a coordinator whose orders arrive at a station.
 #[derive(Debug)]
 pub(crate) struct OrderingLife {
-    pub(super) life: u64,
+    life: u64,
     epoch: u64,
     /// Arrivals of those that came close behind each other.
     first: Tick,

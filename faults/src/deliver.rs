@@ -75,7 +75,7 @@ impl World {
                 let stop = self.observer.ordered((self.now, since), to, order, (in_stop, manual_waits));
                 // One with a longer lease is not taken, and its number neither.
                 if *sequence == FORGED_NUMBER && order.lease <= timing.lease {
-                    self.observer.forget_life(to, order.boot_id);
+                    self.observer.forget_lives(to);
                 }
                 if let Some(stop) = stop {
                     let behind = self.is_behind_gateway(to);

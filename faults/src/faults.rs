@@ -104,6 +104,11 @@ impl World {
                 self.look_at_devices(station.index());
             }
             FaultEvent::SwitchOff(station, input) => self.force(station, input, Some(false)),
+            FaultEvent::SwitchOn(station, input) => {
+                if self.plant.inputs(Owner::Station(station)) & input.bit() != 0 {
+                    self.force(station, input, Some(true));
+                }
+            }
             FaultEvent::Rival => self.start(stations + 1, false),
             FaultEvent::Command(command) => self.say_command(command),
             FaultEvent::Press(station, advance) => self.press(station, advance, true),
@@ -167,7 +172,9 @@ impl World {
                 self.io[owner].find(now, &mut self.plant);
                 self.look_at_devices(owner);
             }
-            FaultEvent::SwitchOff(station, input) => self.force(station, input, None),
+            FaultEvent::SwitchOff(station, input) | FaultEvent::SwitchOn(station, input) => {
+                self.force(station, input, None);
+            }
             FaultEvent::Motion(station, op, normal, _) => {
                 if normal {
                     self.plant.inject(now, station, op, None);
@@ -242,10 +249,8 @@ impl World {
         let boot_id = if is_followed { followed } else { 0xBAD };
         let lease = if is_long { ModeOrder::FOR_GOOD } else { self.line.timing.lease };
         let order = ModeOrder { station_life, ..ModeOrder::of(boot_id, epoch, mode, lease) };
-        if is_followed {
-            let timing = self.line.timing;
-            self.observer.deafened(station, self.now + timing.stale + 2 * timing.refresh);
-        }
+        let timing = self.line.timing;
+        self.observer.deafened(station, self.now + timing.stale + 2 * timing.refresh);
         self.send(self.operator_node(), station, Message::Order { sequence: FORGED_NUMBER, order });
     }
 
@@ -348,12 +353,10 @@ impl World {
                 let operation = &self.line.operation((station, op)).name;
                 format!("{}: {undoing}{operation}: {fault:?} for {time}", name(station.index()))
             }
-            FaultEvent::SwitchOff(station, input) => {
-                format!(
-                    "{}: {} off for {time}",
-                    name(station.index()),
-                    self.line.station(station).inputs[input.index()]
-                )
+            FaultEvent::SwitchOff(station, input) | FaultEvent::SwitchOn(station, input) => {
+                let switch = &self.line.station(station).inputs[input.index()];
+                let stays = if matches!(event, FaultEvent::SwitchOn(..)) { "stays on" } else { "off" };
+                format!("{}: {switch} {stays} for {time}", name(station.index()))
             }
             FaultEvent::Rival => format!("a second coordinator for {time}"),
             FaultEvent::Command(command) => format!("command {}", command.name()),

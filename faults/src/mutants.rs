@@ -99,6 +99,7 @@ mutants! {
     GenerationsOff, Some(8), "counts of another generation are compared";
     CountsOff, Some(0), "the barrier of counts is off";
     BooleansInstead, Some(0), "the barrier of counts has Booleans instead of counts";
+    StuckSwitchCompletes, None, "a switch that sticks completes the motion to it";
     PositionsOff, Some(3), "the barrier of measured positions is off";
     BarriersOff, Some(0), "both barriers are off";
     EntryNotAsked, Some(143), "without a generation in common two stations start by measured positions on one report";
@@ -122,6 +123,7 @@ impl Mutant {
             Mutant::GenerationsOff => Rules { generations: false, ..all },
             Mutant::CountsOff => Rules { arrows: false, ..all },
             Mutant::BooleansInstead => Rules { counted: false, ..all },
+            Mutant::StuckSwitchCompletes => Rules { seen_off: false, ..all },
             Mutant::PositionsOff => Rules { positions: false, ..all },
             Mutant::BarriersOff => Rules { positions: false, arrows: false, ..all },
             Mutant::EntryNotAsked => Rules { entry: false, ..all },

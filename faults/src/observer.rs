@@ -247,13 +247,13 @@ impl Observer {
         }
     }
 
-    /// What a forged order has as its epoch says nothing of those of this life that follow.
-    pub(crate) fn forget_life(&mut self, at: usize, life: u64) {
-        self.stations[at].lives.retain(|known| known.life != life);
+    /// What a forged order has as its epoch says nothing of those that follow.
+    pub(crate) fn forget_lives(&mut self, at: usize) {
+        self.stations[at].lives.clear();
     }
 
-    /// An order with a number that its coordinator never gave has been sent to a station: those of the coordinator are taken for
-    /// older ones until then.
+    /// A forged order has been sent to a station. Until then those of its coordinator may be taken for older ones, where it has a number
+    /// that this one never gave, and which lives the station has received orders of is not known here.
     pub(crate) fn deafened(&mut self, at: usize, until: Tick) {
         self.stations[at].deaf_until = self.stations[at].deaf_until.max(until);
     }

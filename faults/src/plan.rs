@@ -47,6 +47,8 @@ pub enum FaultEvent {
     Motion(StationId, OpId, bool, MotionFault),
     /// A switch stays off. One that stays on is not among these: it reports what is not so, which no controller can see at once.
     SwitchOff(StationId, InputId),
+    /// A switch that is on stays on; one that is off is not touched.
+    SwitchOn(StationId, InputId),
     /// Another coordinator is started.
     Rival,
     /// A command.
@@ -153,6 +155,7 @@ impl DrawnPlan<'_> {
                 Provocation::WayHome,
                 Provocation::NoGeneration,
                 Provocation::OffAtHome,
+                Provocation::StaysOn,
             ]);
             if matches!(what, Provocation::TwoPanels | Provocation::TwoLives) {
                 at = self.lead_to_manual(at, faults);

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace};
-use linewright_line::{Arrow, OpId, OperationModule, StationId};
+use linewright_line::{Arrow, InputId, OpId, OperationModule, Owner, StationId};
 use linewright_plant::MotionFault;
 use linewright_simulation::Rng;
 
@@ -32,6 +32,8 @@ pub enum Provocation {
     NoGeneration,
     /// At home the switch of a mechanism is off, and auto is commanded.
     OffAtHome,
+    /// A switch that is on stays on.
+    StaysOn,
 }
 
 impl World {
@@ -45,6 +47,7 @@ impl World {
             Provocation::WayHome => self.way_home(&mut rng),
             Provocation::NoGeneration => self.no_generation(&mut rng),
             Provocation::OffAtHome => self.off_at_home(&mut rng),
+            Provocation::StaysOn => self.stays_on(&mut rng),
         }
     }
 
@@ -242,6 +245,22 @@ impl World {
         let commands = [(700_000, ModeCommand::Start), (710_000, ModeCommand::Auto), (1_400_000, ModeCommand::Auto)];
         for (after, command) in commands {
             self.also(after + rng.within(0, 5_000), 1_000, FaultEvent::Command(command));
+        }
+    }
+
+    fn stays_on(&mut self, rng: &mut Rng) {
+        let id = StationId::at(rng.below(self.stations.len() as u64) as usize);
+        let image = self.plant.inputs(Owner::Station(id));
+        let of_motions = self.line.station(id).operations.iter().flat_map(|op| {
+            let recovery = match &op.module {
+                OperationModule::Reversible { recovery, .. } => Some(recovery.complete),
+                OperationModule::Irreversible { .. } => None,
+            };
+            [Some(op.normal.complete), recovery].into_iter().flatten()
+        });
+        let on: Vec<InputId> = of_motions.filter(|input| image & input.bit() != 0).collect();
+        if !on.is_empty() {
+            self.also(0, rng.within(1_000_000, 6_000_000), FaultEvent::SwitchOn(id, *rng.pick(&on)));
         }
     }
 

@@ -32,6 +32,8 @@ pub struct Rules {
     /// Arrows are observed. Off, the second barrier stands alone: arrows are not waited for, and a count is taken back
     /// without agreement.
     pub arrows: bool,
+    /// A switch completes a motion only if it was seen off since the motion began. Off: one that sticks completes it at once.
+    pub seen_off: bool,
     /// An index that is complete in less than half its time is in doubt. Off: for callers that keep the clock still.
     pub timely: bool,
 }
@@ -52,6 +54,7 @@ impl Rules {
         positions: true,
         entry: true,
         arrows: true,
+        seen_off: true,
         timely: true,
     };
 }

@@ -275,7 +275,7 @@ impl Controller {
         let has_arrived = match table.turns {
             // A switch that comes on while the motion is still measured where it began has not been reached: it flickers, or the
             // ranges of the two overlap, and then the one behind goes off further on.
-            0 => on && own && token.left_start && has_left,
+            0 => on && own && (token.left_start || !self.rules.seen_off) && has_left,
             _ => token.progress == IndexProgress::Arrived && self.marking.doubtful.is_none(),
         };
         let mut bits = if has_arrived { bit::ARRIVED } else { 0 };
