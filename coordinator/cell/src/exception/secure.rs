@@ -119,33 +119,29 @@ impl Coordination {
             return WayToRest::last(if self.rules.stops { LeaveWay::Stop } else { LeaveWay::Back });
         }
         let Some((firing, own)) = self.state.order(key) else { return WayToRest::last(LeaveWay::Stop) };
-        let others = firing.orders.iter().filter(|order| order.station != own.station);
-        if !self.rules.goes_back_alone || others.clone().next().is_none() {
+        if !self.rules.goes_back_alone || firing.orders.iter().all(|order| order.station == own.station) {
             return WayToRest::last(LeaveWay::Back);
         }
-        if firing.orders.iter().any(|order| self.order_left(now, firing, order).is_none()) {
+        let stand = |order| Some((order, self.order_left(now, firing, order)?));
+        let Some(stand) = firing.orders.iter().map(stand).collect::<Option<Vec<_>>>() else {
             return WayToRest::HOLDS;
-        }
+        };
+        // No other station of the activity is in a handshake, and none has completed its order.
+        let may_go_back = |own: &OngoingOrder| {
+            stand.iter().all(|(order, left)| order.station == own.station || *left != OrderLeft::Involved)
+        };
         let returns = self.fresh(now, station).is_some_and(|heard| heard.slot == Some(key));
-        if returns || self.may_go_back(now, firing, own) {
+        if returns || may_go_back(own) {
             return WayToRest::last(LeaveWay::Back);
         }
         // One that has come to rest is not ordered back any more.
         let is_open = |order: &OngoingOrder| self.state.owed(firing).any(|owed| owed.key == order.key);
-        let mut blocking = others.filter(|order| self.order_left(now, firing, order) == Some(OrderLeft::Involved));
-        if blocking.all(|order| is_open(order) && self.may_go_back(now, firing, order)) {
+        let mut blocking =
+            stand.iter().filter(|(order, left)| order.station != own.station && *left == OrderLeft::Involved);
+        if blocking.all(|(order, _)| is_open(order) && may_go_back(order)) {
             return WayToRest::HOLDS;
         }
         WayToRest::last(LeaveWay::Stop)
-    }
-
-    /// Whether no other station of the activity is in a handshake, and none has completed its order.
-    fn may_go_back(&self, now: Tick, firing: &OngoingActivity, own: &OngoingOrder) -> bool {
-        let mut others = firing.orders.iter().filter(|order| order.station != own.station);
-        others.all(|order| match self.order_left(now, firing, order) {
-            Some(OrderLeft::AtBeginning | OrderLeft::Apart) => true,
-            Some(OrderLeft::Involved) | None => false,
-        })
     }
 
     /// Where a station stands whose order is over, by its last report; none if it is not over, or not known to be. One that has an
