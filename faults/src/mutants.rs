@@ -43,8 +43,8 @@ mutants! {
     RecordWithoutCounts, Some(0), "a station's record has the counts of a station at home";
     RecordWithoutPath, Some(8), "a station's record leaves the recovery path out";
     RequestNumbersUsedAgain, Some(3), "numbers of requests begin anew with every start";
-    MemorylessBelieved, Some(6), "a station without its journal has the generation of the others";
-    HomeUnconfirmed, Some(111), "a station without its journal is at home, whatever its switches say";
+    MemorylessBelieved, Some(10), "a station without its journal has the generation of the others";
+    HomeUnconfirmed, Some(155), "a station without its journal is at home, whatever its switches say";
     LateEffects, Some(373), "what a slow record of a station held up is put out after it";
     OffAfterRecord, Some(1), "a station's outputs go off after its record";
     StopWaitsForRecord, Some(31), "an emergency stop waits for the record that is being written";
@@ -61,30 +61,30 @@ mutants! {
     RivalsUnseen, Some(17), "two coordinators beside each other are not noticed";
     OldOrdersObeyed, Some(75), "an order counts whatever its epoch and its number";
     PoisonedEpochFollowed, Some(2), "an epoch that no coordinator can have given is followed";
-    LeaseIgnored, Some(15), "a mode order holds until the next one arrives";
+    LeaseIgnored, Some(6), "a mode order holds until the next one arrives";
     LeaseOfStrangers, Some(169), "an order holds for as long as it says";
-    NumbersIgnored, Some(51), "messages are taken in the order of their arrival, whatever their number";
-    StaleViewBelieved, Some(16), "a station's state holds until the next one arrives";
-    GapUnseen, Some(327), "after a standstill what was received before it counts as new";
+    NumbersIgnored, Some(6), "messages are taken in the order of their arrival, whatever their number";
+    StaleViewBelieved, Some(274), "a station's state holds until the next one arrives";
+    GapUnseen, Some(54), "after a standstill what was received before it counts as new";
     // The gateway and the devices.
-    GatewayAgeIgnored, Some(6), "a station's outputs hold at the gateway until the next ones arrive";
+    GatewayAgeIgnored, Some(12), "a station's outputs hold at the gateway until the next ones arrive";
     GatewayStopIgnored, Some(615), "the gateway puts out images from before an emergency stop, and manual does not wait for stations without it";
     ImagesDrivenAtOnce, Some(82), "the gateway puts out an image whatever the mode";
     SlowRecordKeepsOutputs, Some(373), "outputs stay on while a record takes longer than images are valid";
     LossesUnseen, Some(90), "a loss of devices shorter than a scan is not seen";
-    OutputsKeptAtLoss, Some(32), "devices keep their outputs when their manager falls silent";
+    OutputsKeptAtLoss, Some(63), "devices keep their outputs when their manager falls silent";
     OutputsKeptAtRestart, Some(90), "devices take up their former outputs after a restart";
     // The decision of modes.
-    AutoAwayFromHome, Some(178), "every station counts as at home";
-    LostPositionUnheard, Some(32), "no position counts as lost";
-    IncompleteUnheard, Some(48), "no operation counts as stopped before its end";
+    AutoAwayFromHome, Some(154), "every station counts as at home";
+    LostPositionUnheard, Some(20), "no position counts as lost";
+    IncompleteUnheard, Some(6), "no operation counts as stopped before its end";
     DevicesUnheard, Some(215), "devices count as received";
-    MotionUnheard, Some(6), "every station counts as standing";
+    MotionUnheard, Some(9), "every station counts as standing";
     GenerationsUnheard, Some(3), "every station counts as having the same generation";
     AcknowledgedUnheard, Some(15), "every order counts as acknowledged";
     StationStopUnheard, Some(16), "an emergency stop that a station has is not adopted";
     RestartUnheard, Some(0), "a station that was restarted counts as the same";
-    ResetNotNeeded, Some(6), "manual ends an emergency stop that was not reset";
+    ResetNotNeeded, Some(9), "manual ends an emergency stop that was not reset";
     // What stations take from orders.
     EnabledAlways, Some(3), "a mode is acted on before every station has acknowledged it";
     OrderOfAnotherLife, Some(113), "an order counts for whatever life of a station it reaches";
@@ -92,22 +92,22 @@ mutants! {
     EpochsUnread, Some(0), "a station acknowledges no new epoch";
     FoundingLost, Some(0), "founding orders are not taken";
     // What stations take from each other.
-    AgreementsInvented, Some(11), "every answer to a request is agreement";
-    AgreementsOfEarlierLives, Some(297), "answers to a request of an earlier life count, and numbers begin anew with every start";
+    AgreementsInvented, Some(25), "every answer to a request is agreement";
+    AgreementsOfEarlierLives, Some(25), "answers to a request of an earlier life count, and numbers begin anew with every start";
     RequestsUnread, Some(3), "a count that is being taken back is relied on";
     // Rules of the controllers.
     GenerationsOff, Some(8), "counts of another generation are compared";
     CountsOff, Some(0), "the barrier of counts is off";
     BooleansInstead, Some(0), "the barrier of counts has Booleans instead of counts";
-    StuckSwitchCompletes, None, "a switch that sticks completes the motion to it";
+    StuckSwitchCompletes, Some(16), "a switch that sticks completes the motion to it";
     PositionsOff, Some(3), "the barrier of measured positions is off";
     BarriersOff, Some(0), "both barriers are off";
-    EntryNotAsked, Some(143), "without a generation in common two stations start by measured positions on one report";
-    AgreementOff, Some(11), "counts are taken back without agreement";
-    WithdrawnLate, Some(12), "a count is taken back after the motion";
-    NumbersNotFresh, Some(394), "all requests have the same number";
-    RoundNotRedone, Some(154), "a recovery path leaves the counts of its round as they are";
-    HomeDoesNotWait, Some(2524), "a recovery path begins whatever the neighbours do";
+    EntryNotAsked, Some(76), "without a generation in common two stations start by measured positions on one report";
+    AgreementOff, Some(27), "counts are taken back without agreement";
+    WithdrawnLate, Some(11), "a count is taken back after the motion";
+    NumbersNotFresh, Some(1120), "all requests have the same number";
+    RoundNotRedone, Some(11), "a recovery path leaves the counts of its round as they are";
+    HomeDoesNotWait, Some(297), "a recovery path begins whatever the neighbours do";
 }
 
 impl Mutant {
