@@ -155,6 +155,15 @@ fn answer_to_message(line: &Line, own: StationId, answer: &AgreementAnswer) -> A
     }
 }
 
+/// Whether a message of `node` has this fingerprint of the description.
+///
+/// # Errors
+/// When it has another one: bits and numbers mean something else there.
+pub fn of_this_description(node: &str, is: u64, expected: u64) -> Result<(), ConvertError> {
+    let differs = || ConvertError::Description { station: node.to_owned(), is, expected };
+    (is == expected).then_some(()).ok_or_else(differs)
+}
+
 /// Converts one station's message into the form of the controller and the coordinator, whose line has the fingerprint
 /// `expected`.
 ///
@@ -167,10 +176,7 @@ pub fn report_from_message(
 ) -> Result<(StationId, StationReport), ConvertError> {
     let station = line.station_named(&message.station).ok_or_else(|| ConvertError::Station(message.station.clone()))?;
     let described = line.station(station);
-    let is = message.description;
-    if is != expected {
-        return Err(ConvertError::Description { station: described.name.clone(), is, expected });
-    }
+    of_this_description(&described.name, message.description, expected)?;
     let needs = described.operations.len();
     for (field, has) in
         [("done", message.done.len()), ("started", message.started.len()), ("places", message.places.len())]

@@ -17,8 +17,8 @@ mod waiting;
 
 pub use buses::open_buses;
 pub use convert::{
-    ConvertError, cause_from_code, cause_to_code, kind_of, mode_from_code, mode_to_code, order_from_message,
-    report_from_message, report_to_message,
+    ConvertError, cause_from_code, cause_to_code, kind_of, mode_from_code, mode_to_code, of_this_description,
+    order_from_message, report_from_message, report_to_message,
 };
 pub use foreign::quoted;
 pub use waiting::Waiting;

@@ -7,12 +7,20 @@ use linewright_node_line::devices::DeviceDiagnosticsTopic;
 use linewright_node_shell::{RosNode, TopicError, stamp};
 
 /// The message that carries a station's inputs.
-pub fn inputs_message(image: InputsImage, boot_id: u64, sequence: u64) -> ProcessImage {
+pub fn inputs_message(image: InputsImage, boot_id: u64, sequence: u64, description: u64) -> ProcessImage {
     let (number_boot_id, number) = image.under.unwrap_or_default();
     let InputsImage { bits, valid, lives, .. } = image;
-    let header = stamp();
-    let mut message =
-        ProcessImage { header, boot_id, sequence, valid, lives, number, number_boot_id, ..ProcessImage::default() };
+    let mut message = ProcessImage {
+        header: stamp(),
+        boot_id,
+        sequence,
+        description,
+        valid,
+        lives,
+        number,
+        number_boot_id,
+        ..ProcessImage::default()
+    };
     message.set_word(bits);
     message
 }

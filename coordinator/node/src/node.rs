@@ -10,7 +10,7 @@ use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
 use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
 use linewright_node_line::devices::{Devices, in_words};
-use linewright_node_line::{Waiting, open_buses, quoted, report_from_message};
+use linewright_node_line::{Waiting, of_this_description, open_buses, quoted, report_from_message};
 use linewright_node_shell::{
     Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id,
 };
@@ -306,6 +306,10 @@ impl CoordinatorLoop {
             }
             CoordinatorInbound::Trouble(station, text) => self.troubles[station.index()] = text,
             CoordinatorInbound::Outputs(station, message) => {
+                let name = &self.line.station(station).name;
+                if let Err(error) = of_this_description(name, message.description, self.descriptions.line) {
+                    return self.ignore(error);
+                }
                 let image = OutputImage {
                     bits: message.word(),
                     valid: message.valid,
@@ -446,7 +450,7 @@ impl CoordinatorLoop {
 
     fn send_inputs(&mut self, station: StationId, sequence: u64, image: InputsImage) {
         if let Some(publisher) = &self.says.inputs[station.index()] {
-            publisher.send(inputs_message(image, self.shell.boot_id(), sequence));
+            publisher.send(inputs_message(image, self.shell.boot_id(), sequence, self.descriptions.line));
         }
     }
 

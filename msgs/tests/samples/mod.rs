@@ -79,6 +79,7 @@ pub fn process_image() -> ProcessImage {
         header: header(),
         boot_id: 5,
         sequence: 6,
+        description: 0x1112_1314_1516_1718,
         lives: 3,
         number: 9,
         number_boot_id: 10,

@@ -9,7 +9,7 @@ use linewright_msgs::{ProcessImage, StationEvent, StationState, fitting};
 use linewright_node_line::devices::{DeviceDiagnosticsTopic, DeviceServiceRequest, Devices};
 use linewright_node_line::quoted;
 use linewright_node_line::{Waiting, open_buses};
-use linewright_node_line::{kind_of, order_from_message, report_from_message, report_to_message};
+use linewright_node_line::{kind_of, of_this_description, order_from_message, report_from_message, report_to_message};
 use linewright_node_shell::{
     Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
 };
@@ -284,14 +284,19 @@ impl StationLoop {
                     Err(error) => self.ignore(error),
                 }
             }
-            StationInbound::Inputs(message) => self.handle(StationArrival::Inputs(InputsMessage {
-                boot_id: message.boot_id,
-                sequence: message.sequence,
-                bits: message.word(),
-                valid: message.valid,
-                lives: message.lives,
-                under: (message.number_boot_id, message.number),
-            })),
+            StationInbound::Inputs(message) => {
+                match of_this_description("the coordinator", message.description, self.message.description) {
+                    Ok(()) => self.handle(StationArrival::Inputs(InputsMessage {
+                        boot_id: message.boot_id,
+                        sequence: message.sequence,
+                        bits: message.word(),
+                        valid: message.valid,
+                        lives: message.lives,
+                        under: (message.number_boot_id, message.number),
+                    })),
+                    Err(error) => self.ignore(error),
+                }
+            }
             StationInbound::Trouble(text) => self.words.trouble(&text),
             StationInbound::Selector(text) => match text.trim() {
                 "manual" => self.panel(PanelCommand::Selector(true)),
@@ -418,6 +423,7 @@ impl StationLoop {
                 header: stamp(),
                 boot_id: self.shell.boot_id(),
                 sequence: image.sequence,
+                description: self.message.description,
                 valid: true,
                 lives: image.lives,
                 number: image.number,
