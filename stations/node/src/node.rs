@@ -9,18 +9,18 @@ use linewright_msgs::{ProcessImage, StationEvent, StationState, fitting};
 use linewright_node_line::devices::{DeviceDiagnosticsTopic, DeviceServiceRequest, Devices};
 use linewright_node_line::quoted;
 use linewright_node_line::{Waiting, open_buses};
-use linewright_node_line::{kind_of, of_this_description, order_from_message, report_from_message, report_to_message};
+use linewright_node_line::{kind_of, order_from_message, report_from_message, report_to_message};
 use linewright_node_shell::{
     Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
 };
 use linewright_station_logic::{CompileError, HappeningKind, PanelCommand, RejoinAt, Restore, StationHappening};
-use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEffect, StationShell};
+use linewright_station_shell::{Driven, StationArrival, StationEffect, StationShell};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
 use crate::device_texts::DeviceTexts;
 use crate::journal::from_record;
-use crate::topics::{StationInbound, StationPublishers, open};
+use crate::topics::{StationInbound, StationPublishers, inputs_from_message, open};
 
 /// Reason why a station's node cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -284,19 +284,10 @@ impl StationLoop {
                     Err(error) => self.ignore(error),
                 }
             }
-            StationInbound::Inputs(message) => {
-                match of_this_description("the coordinator", message.description, self.message.description) {
-                    Ok(()) => self.handle(StationArrival::Inputs(InputsMessage {
-                        boot_id: message.boot_id,
-                        sequence: message.sequence,
-                        bits: message.word(),
-                        valid: message.valid,
-                        lives: message.lives,
-                        under: (message.number_boot_id, message.number),
-                    })),
-                    Err(error) => self.ignore(error),
-                }
-            }
+            StationInbound::Inputs(message) => match inputs_from_message(self.message.description, &message) {
+                Ok(inputs) => self.handle(StationArrival::Inputs(inputs)),
+                Err(error) => self.ignore(error),
+            },
             StationInbound::Trouble(text) => self.words.trouble(&text),
             StationInbound::Selector(text) => match text.trim() {
                 "manual" => self.panel(PanelCommand::Selector(true)),

@@ -2,10 +2,12 @@
 
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{Flag, ModeOrder, ProcessImage, RunTaskGoal, StationEvent, StationState, Text};
+use linewright_node_line::{ConvertError, of_this_description};
 use linewright_node_shell::{
     Forward, GoalRequest, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, qos, watch_middleware,
 };
 use linewright_station_logic::{LeaveWay, OrderKey};
+use linewright_station_shell::InputsMessage;
 use tokio::sync::mpsc;
 
 use crate::orders::TaskOrderTopics;
@@ -106,4 +108,20 @@ pub fn open(
         }));
     }
     Ok((says, from, tasks))
+}
+
+/// The inputs of a station, from the coordinator's message.
+///
+/// # Errors
+/// When the message has another fingerprint of the description than this.
+pub fn inputs_from_message(description: u64, message: &ProcessImage) -> Result<InputsMessage, ConvertError> {
+    of_this_description("the coordinator", message.description, description)?;
+    Ok(InputsMessage {
+        boot_id: message.boot_id,
+        sequence: message.sequence,
+        bits: message.word(),
+        valid: message.valid,
+        lives: message.lives,
+        under: (message.number_boot_id, message.number),
+    })
 }
