@@ -367,6 +367,20 @@ impl Coordinator {
         reasons
     }
 
+    /// A person stands at the panel of a station: that it was restarted, or not received, keeps no mode any more, and is no reason to
+    /// name for one that has ended.
+    fn looked_at(&mut self, id: StationId) {
+        if let Some(station) = self.stations.get_mut(id.index()) {
+            (station.restarted, station.missed) = (false, false);
+        }
+        let is_over = |reasons: &mut Vec<ModeRefusal>| {
+            let count = reasons.len();
+            reasons.retain(|reason| *reason != ModeRefusal::Restarted(id));
+            reasons.len() < count && reasons.is_empty()
+        };
+        self.ended.take_if(|(_, reasons)| is_over(reasons));
+    }
+
     fn unheard(&self) -> Vec<ModeRefusal> {
         self.counted().filter(|(_, s)| !self.is_known(s)).map(|(id, _)| ModeRefusal::NotHeard(id)).collect()
     }
@@ -418,9 +432,7 @@ impl Coordinator {
             self.founding = None;
         }
         if mode == ControlMode::Manual {
-            for station in &mut self.stations {
-                (station.restarted, station.missed) = (false, false);
-            }
+            self.line.station_ids().for_each(|id| self.looked_at(id));
         }
         if mode != ControlMode::Manual && mode != ControlMode::StandBy {
             self.manual_all = false;

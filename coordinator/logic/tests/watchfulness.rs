@@ -67,6 +67,23 @@ fn a_station_restarted_in_auto_or_hand_means_stand_by_until_somebody_has_looked(
     }
 }
 
+/// The reason that has ended auto is none any more where manual has been gone through.
+#[test]
+fn a_restart_that_has_been_looked_at_in_manual_asks_for_no_start() {
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
+    bench.heard[1].boot_id += 1;
+    bench.beat();
+    assert_eq!(bench.coordinator.standing().restarted, [StationId(1)]);
+    for (selects, mode) in [(true, ControlMode::Manual), (false, ControlMode::StandBy)] {
+        bench.heard[2].selector_manual = selects;
+        bench.beat();
+        assert_eq!(bench.mode(), mode);
+    }
+    let (text, restarted) = (bench.coordinator.text(), bench.coordinator.standing().restarted);
+    assert!(!text.contains("restarted") && restarted.is_empty(), "{text}");
+    assert_eq!(bench.command(ModeCommand::Auto), None);
+}
+
 #[test]
 fn a_station_restarted_in_manual_has_somebody_standing_in_front_of_it() {
     let mut bench = CoordinatorBench::in_mode(ControlMode::Manual);

@@ -201,11 +201,9 @@ impl Coordinator {
                 continue;
             }
             let is_led = self.against_panel(id).is_empty();
-            let station = &mut self.stations[id.index()];
-            self.changed |= std::mem::replace(&mut station.single.is_led, is_led) != is_led;
+            self.changed |= std::mem::replace(&mut self.stations[id.index()].single.is_led, is_led) != is_led;
             if is_led {
-                // A person stands at its panel.
-                (station.restarted, station.missed) = (false, false);
+                self.looked_at(id);
             }
         }
     }
