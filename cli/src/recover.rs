@@ -2,6 +2,7 @@
 //!
 //! The plan is made anew whenever the line has changed. What was the first step before and is none any more is shown as done.
 
+mod answers;
 mod json;
 mod progress;
 mod publish;

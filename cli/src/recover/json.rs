@@ -10,6 +10,7 @@ use linewright_recovery::{
 };
 use serde::Serialize;
 
+use super::answers::{AnswerJson, answers};
 use crate::client::OperatorClient;
 use crate::states::ModeJson;
 
@@ -85,6 +86,8 @@ struct StepJson {
     arguments: Option<Vec<String>>,
     /// Of several commands the arguments of each; one is given, by what is so at the machine.
     choices: Vec<Vec<String>>,
+    /// Of an alarm what each choice says, in their order.
+    answers: Vec<AnswerJson>,
 }
 
 #[derive(Serialize)]
@@ -160,6 +163,10 @@ impl StepJson {
             at_home: step.after.as_ref().map(|after| after.at_home),
             arguments,
             choices: commands,
+            answers: match &step.action {
+                RecoveryAction::First(Need::Answer(alarm)) => answers(alarm),
+                _ => Vec::new(),
+            },
         }
     }
 }
