@@ -27,6 +27,7 @@ mod first;
 mod image;
 mod order;
 mod plan;
+mod reason;
 mod restore;
 mod search;
 mod situation;
@@ -36,6 +37,7 @@ mod units;
 
 pub use ends::{EndsReached, LedActivity, LedOrder};
 pub use plan::{RecoveryEnd, RecoveryPlan, plan};
+pub use reason::StepReason;
 pub use restore::RestoreMisfit;
 pub use search::{TRIED_FOR_ANY_MAX, TRIED_MAX};
 pub use situation::{ActivityEnd, ConsoleSituation, DecidedEnd, LineSituation, StandingAlarm, as_received};
