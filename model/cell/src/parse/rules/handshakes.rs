@@ -16,7 +16,9 @@ use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 /// Positions nearer than this are the same place, as for the motions of a line.
 const SAME_PLACE: f64 = 1e-6;
 /// An activity of more states than this is left undecided: that of two stations has some hundred.
-const MAX_STATES: usize = 20_000;
+const STATES_MAX: usize = 20_000;
+/// At most this many inputs are tried instead of others: few stations see more than some dozen holders.
+const CHANGES_MAX: usize = 500;
 
 /// Applies the rule to each activity.
 pub(super) fn activities_can_complete(draft: &DraftCell<'_>, report: &mut Report) {
@@ -84,7 +86,7 @@ impl<'d, 'a> Player<'d, 'a> {
 }
 
 impl<'d, 'a> Handshake<'d, 'a> {
-    /// None where an order is not understood, or is the only one of its station no more.
+    /// None where an order is not understood, or a station has two.
     fn of(line: &'d Line, activity: &'d DraftActivity<'a>) -> Option<Self> {
         let players: Vec<_> = activity.orders.iter().map(|order| Player::of(line, order)).collect::<Option<_>>()?;
         let stations: BTreeSet<StationId> = players.iter().map(|player| player.id).collect();
@@ -108,7 +110,7 @@ impl<'d, 'a> Handshake<'d, 'a> {
                 continue;
             }
             open.extend(next.into_iter().filter(|state| known.insert(state.clone())));
-            if known.len() > MAX_STATES {
+            if known.len() > STATES_MAX {
                 return None;
             }
         }
@@ -170,19 +172,20 @@ impl<'d, 'a> Handshake<'d, 'a> {
 
     /// The first input with whose opposite the orders complete, in the way in which parts are handed over.
     fn mistaken(&self) -> Option<Mistaken> {
-        for (at, player) in self.players.iter().enumerate() {
-            for (nth, operation) in player.operations.iter().enumerate() {
-                let Some(is_closed) = self.other_is_closed(player, nth) else { continue };
-                for &input in &operation.waits {
-                    let change = |instead| Mistaken { player: at, operation: nth, input, instead };
-                    let mut opposites = self.opposites(player.id, input, is_closed).map(change);
-                    if let Some(found) = opposites.find(|change| self.stuck(Some(*change)).is_none()) {
-                        return Some(found);
-                    }
-                }
-            }
-        }
-        None
+        let operations = |at: usize| (0..self.players[at].operations.len()).map(move |nth| (at, nth));
+        let all = (0..self.players.len()).flat_map(operations).flat_map(|(at, nth)| self.changes(at, nth));
+        all.take(CHANGES_MAX).find(|change| self.stuck(Some(*change)).is_none())
+    }
+
+    /// The inputs that an operation waits for, each with each of its opposites.
+    fn changes(&self, at: usize, nth: usize) -> Vec<Mistaken> {
+        let player = &self.players[at];
+        let Some(is_closed) = self.other_is_closed(player, nth) else { return Vec::new() };
+        let of = |&input: &InputId| {
+            let change = move |instead| Mistaken { player: at, operation: nth, input, instead };
+            self.opposites(player.id, input, is_closed).map(change)
+        };
+        player.operations[nth].waits.iter().flat_map(of).collect()
     }
 
     /// Whether the other holder is closed when an operation hands a part over: one of them always holds it, and nothing is pulled
