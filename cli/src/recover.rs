@@ -2,7 +2,9 @@
 //!
 //! The plan is made anew whenever the line has changed. What was the first step before and is none any more is shown as done.
 
+mod answers;
 mod json;
+mod newest;
 mod progress;
 mod publish;
 
@@ -12,18 +14,10 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args as ClapArgs;
-use linewright_coordinator_cell::AlarmId;
-use linewright_coordinator_cell::exception::ExceptionStage;
-use linewright_coordinator_cell::texts::recovery;
-use linewright_coordinator_logic::ModeStanding;
 use linewright_line::{Line, StationId};
-use linewright_msgs::{ActivityState, AlarmState, CellState, LineState, StationState};
-use linewright_node_line::{mode_from_code, report_from_message};
+use linewright_msgs::StationState;
 use linewright_node_shell::RosArgs;
-use linewright_recovery::{
-    ActivityEnd, DecidedEnd, EndsReached, LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep,
-    StandingAlarm, plan,
-};
+use linewright_recovery::{Need, RecoveryAction, RecoveryStep};
 
 use crate::cell::CellClient;
 use crate::client::{OperatorClient, StateUpdate};
@@ -31,7 +25,8 @@ use crate::interrupts::Interrupts;
 use crate::load;
 use crate::watch::{Screen, refusal};
 use json::RecoveryJson;
-use progress::newly_done;
+use newest::{NewestPlan, ReasonedPlan};
+use progress::{PressFailures, newly_done};
 
 /// Time within which all are to be received.
 const HEARD_WITHIN: Duration = Duration::from_secs(5);
@@ -83,14 +78,14 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         if args.json {
             crate::out::json(&RecoveryJson::of(&client, &path, found))?;
         } else {
-            crate::out::say!("{}", picture(&client, &path, &[], found, Commands::All).join("\n"));
+            crate::out::say!("{}", picture(&client, &path, &PictureOf::once(found)).join("\n"));
         }
         if !is_all {
             let coordinator = client.coordinator().is_none().then_some("the coordinator");
             let missing: Vec<&str> = coordinator.into_iter().chain(client.unheard()).collect();
             crate::out::complain!("not heard within {} s: {}", HEARD_WITHIN.as_secs(), missing.join(", "));
         }
-        let leads_there = found.is_some_and(RecoveryPlan::leads_to_auto);
+        let leads_there = found.is_some_and(|found| found.plan.leads_to_auto());
         return Ok(if is_all && leads_there { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
     follow(&mut client, cell, &path).await
@@ -101,8 +96,8 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
     let mut screen = if std::io::stdout().is_terminal() { Some(Screen::open()?) } else { None };
     let mut interrupts = Interrupts::listen()?;
     let mut looks = tokio::time::interval(LOOK_EVERY);
-    let (mut done, mut shown, mut before): (Vec<String>, Vec<String>, Option<RecoveryPlan>) = Default::default();
-    let (mut newest, mut has_changed) = (NewestPlan::default(), true);
+    let (mut done, mut shown, mut before): (Vec<String>, Vec<String>, Option<ReasonedPlan>) = Default::default();
+    let (mut newest, mut failures, mut has_changed) = (NewestPlan::default(), PressFailures::default(), true);
     loop {
         tokio::select! {
             heard = client.next() => has_changed |= !matches!(heard?, StateUpdate::Event(..)),
@@ -113,17 +108,20 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
             _ = looks.tick() => if std::mem::take(&mut has_changed) {
                 let found = newest.look(client, cell.as_ref()).cloned();
                 if let (Some(before), Some(now)) = (&before, &found) {
-                    done.extend(newly_done(client.line(), before, now));
+                    done.extend(newly_done(client.line(), &before.plan, &now.plan));
                 }
+                let first = found.as_ref().and_then(|found| found.plan.steps.first());
+                failures.note(first, |id| newest.moves(id), |id| client.station(id).is_some_and(comes_again));
                 let commands = if screen.is_some() { Commands::First } else { Commands::AllAgain };
-                let lines = picture(client, path, &done, found.as_ref(), commands);
+                let of = PictureOf { done: &done, found: found.as_ref(), commands, failed: failures.count() };
+                let lines = picture(client, path, &of);
                 match &mut screen {
                     Some(screen) => screen.show(&lines)?,
                     None if lines != shown => crate::out::say!("{}\n", lines.join("\n")),
                     None => {}
                 }
                 shown = lines;
-                if found.as_ref().is_some_and(|plan| plan.end == RecoveryEnd::Auto && plan.steps.is_empty()) {
+                if found.as_ref().is_some_and(ReasonedPlan::is_done) {
                     drop(screen);
                     crate::out::say!("auto is in force");
                     return Ok(ExitCode::SUCCESS);
@@ -142,107 +140,6 @@ async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
     }
 }
 
-/// The newest plan, with the situation that it was made for: the same situation needs no other search.
-#[derive(Default)]
-struct NewestPlan {
-    known: Option<(LineSituation, RecoveryPlan)>,
-    reached: EndsReached,
-}
-
-impl NewestPlan {
-    /// The plan for what is received now; none where the coordinator is not received.
-    fn look(&mut self, client: &OperatorClient, cell: Option<&CellClient>) -> Option<&RecoveryPlan> {
-        let mut now = situation_now(client, cell);
-        if let Some(situation) = &mut now {
-            self.reached.complete(client.line(), situation);
-        }
-        if self.known.as_ref().map(|(known, _)| known) != now.as_ref() {
-            self.known = now.map(|situation| {
-                let found = plan(client.line(), &situation);
-                (situation, found)
-            });
-        }
-        self.known.as_ref().map(|(_, found)| found)
-    }
-}
-
-/// What is received now; none where the coordinator is not received, or was started with another description: what a plan by this one
-/// leads to is not known there.
-fn situation_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<LineSituation> {
-    if client.other_coordinator().is_some() {
-        return None;
-    }
-    let line = client.line();
-    let state = client.coordinator()?;
-    let mode = mode_from_code(state.mode).ok()?;
-    // A station with another description is the misfit.
-    let report = |id| {
-        client
-            .station(id)
-            .and_then(|state| report_from_message((line, state.description), state).ok())
-            .map(|(_, report)| report)
-    };
-    let stations = line.station_ids().map(report).collect();
-    let mut situation = LineSituation::read(line, mode, state.enabled, standing(line, state), stations);
-    situation.misfit = client.other_station();
-    if let Some(cell) = cell.and_then(CellClient::heard_lately) {
-        (situation.alarms, situation.unsettled) = (alarms(line, cell), unsettled(cell));
-    }
-    Some(situation)
-}
-
-fn named(line: &Line, names: &[String]) -> Vec<StationId> {
-    names.iter().filter_map(|name| line.station_named(name)).collect()
-}
-
-/// What keeps the mode, as the coordinator reports it.
-fn standing(line: &Line, state: &LineState) -> ModeStanding {
-    ModeStanding {
-        is_stopping: state.master_stop,
-        is_latched: state.estop_latched,
-        is_pressed: state.estop_pressed,
-        without_console: state.console_lost,
-        resumes: state.resume,
-        restarted: named(line, &state.restarted),
-        left_out: named(line, &state.left_out),
-        obstacles: state.obstacles.to_vec(),
-    }
-}
-
-fn alarms(line: &Line, cell: &CellState) -> Vec<StandingAlarm> {
-    let alarm = |alarm: &AlarmState| StandingAlarm {
-        id: alarm.id,
-        text: alarm.text.clone(),
-        answers: alarm.answers.to_vec(),
-        meanings: alarm.meanings.to_vec(),
-        lead: named(line, &alarm.lead),
-        reset: named(line, &alarm.reset),
-        at_order: named(line, &alarm.at_order),
-        end: led_to(alarm.lead_to).map(|end| DecidedEnd { end, because: alarm.lead_because.clone() }),
-        bring: line.station_named(&alarm.bring).and_then(|id| Some((id, line.station(id).rest_named(&alarm.to_rest)?))),
-    };
-    cell.alarms.as_slice().iter().map(alarm).collect()
-}
-
-/// Failed activities that no alarm asks about: their stations are still on the way to rest, or sensors are compared with an answer.
-fn unsettled(cell: &CellState) -> Vec<String> {
-    let is_asked = |of: &ActivityState| {
-        let waits = |alarm: &AlarmState| recovery(Some(&ExceptionStage::Waiting(AlarmId(alarm.id))));
-        cell.alarms.as_slice().iter().any(|alarm| of.text.ends_with(&waits(alarm)))
-    };
-    let failed = cell.activities.as_slice().iter().filter(|of| !of.running && !is_asked(of));
-    failed.map(|of| format!("`{}` of part {} {}", of.name, of.part, of.text)).collect()
-}
-
-/// A code that is not known is no decision.
-fn led_to(code: u8) -> Option<ActivityEnd> {
-    match code {
-        AlarmState::LEAD_ON => Some(ActivityEnd::Done),
-        AlarmState::LEAD_BACK => Some(ActivityEnd::TakenBack),
-        _ => None,
-    }
-}
-
 /// The arguments of each command for a step, for a line in the directory `path`.
 fn commands(line: &Line, path: &str, step: &RecoveryStep) -> Vec<Vec<String>> {
     let named = |word: String| if word == "LINE" { path.to_owned() } else { word };
@@ -255,7 +152,9 @@ fn typed(line: &Line, path: &str, step: &RecoveryStep) -> Vec<String> {
     let shows = is_lost.then(|| ["can", "status", path].map(str::to_owned).to_vec());
     let all = commands(line, path, step).into_iter().chain(shows);
     let words = |words: Vec<String>| words.iter().map(|word| crate::out::shell_word(word)).collect::<Vec<_>>();
-    all.map(|of| format!("linewright {}", words(of).join(" "))).collect()
+    // What is only looked at does not do the step.
+    let look = if is_lost { "see: " } else { "" };
+    all.map(|of| format!("{look}linewright {}", words(of).join(" "))).collect()
 }
 
 /// The steps below which their commands stand.
@@ -296,15 +195,26 @@ fn is_over_again(state: &StationState) -> bool {
     state.stop_causes.contains(&StationState::CAUSE_DEVICES) && state.devices_valid && !comes_again(state)
 }
 
-/// The plan as lines of text.
-fn picture(
-    client: &OperatorClient,
-    path: &str,
-    done: &[String],
-    found: Option<&RecoveryPlan>,
+/// What a picture shows.
+struct PictureOf<'p> {
+    /// Steps that were done.
+    done: &'p [String],
+    found: Option<&'p ReasonedPlan>,
     commands: Commands,
-) -> Vec<String> {
-    let line = client.line();
+    /// How often the press that is the first step has failed.
+    failed: u32,
+}
+
+impl<'p> PictureOf<'p> {
+    /// The plan by itself.
+    fn once(found: Option<&'p ReasonedPlan>) -> Self {
+        PictureOf { done: &[], found, commands: Commands::All, failed: 0 }
+    }
+}
+
+/// The plan as lines of text.
+fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<String> {
+    let (line, &PictureOf { done, found, commands, failed }) = (client.line(), of);
     let mut lines = match client.coordinator() {
         Some(state) => vec![format!("{} — mode: {}", line.title, state.text)],
         None => vec![format!("{}: no state received from the coordinator: start it", line.title)],
@@ -315,7 +225,7 @@ fn picture(
         Commands::AllAgain => Some(format!("last refusal: {}", state.refusal)),
         Commands::First | Commands::All => refusal(state),
     }));
-    let is_over = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto && plan.steps.is_empty());
+    let is_over = found.is_some_and(ReasonedPlan::is_done);
     let causes = if is_over { Vec::new() } else { causes(line, |id| client.station(id)) };
     lines.extend(causes.iter().map(|(station, state)| {
         let over = if is_over_again(state) { " (over: they are there again)" } else { "" };
@@ -326,14 +236,17 @@ fn picture(
     }
     lines.extend(done.iter().map(|text| format!(" done  {text}")));
     lines.extend(client.other_descriptions());
-    let Some(plan) = found else { return lines };
+    let Some(ReasonedPlan { plan, reasons }) = found else { return lines };
     lines.extend(plan.led.iter().map(|led| led.text(line)));
-    for (at, step) in plan.steps.iter().enumerate() {
+    for (at, (step, why)) in plan.steps.iter().zip(reasons).enumerate() {
         lines.push(format!("{:>5}. {}", at + 1, step.text(line)));
+        lines.extend(why.iter().map(|why| format!("       since {why}")));
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
-        if at == 0 || commands != Commands::First {
+        let failed = if at == 0 { failed_again(client, step, failed) } else { None };
+        if failed.is_none() && (at == 0 || commands != Commands::First) {
             lines.extend(typed(line, path, step).into_iter().map(|typed| format!("       {typed}")));
         }
+        lines.extend(failed.map(|why| format!("       {why}")));
         if at == 0 {
             lines.extend(refused(client, step).map(|why| format!("       refused: {why}")));
         }
@@ -342,7 +255,7 @@ fn picture(
     if !plan.is_shortest {
         lines.push("there may be a shorter way: the search was ended".to_owned());
     }
-    if plan.steps.is_empty() && plan.end == RecoveryEnd::Auto {
+    if is_over {
         lines.push("nothing to do".to_owned());
         let left_out = client.coordinator().map(|state| state.left_out.join(", ")).filter(|names| !names.is_empty());
         lines.extend(left_out.map(|names| {
@@ -351,6 +264,12 @@ fn picture(
         }));
     }
     lines
+}
+
+/// What stands in place of the command of a press that has failed twice: the cause.
+fn failed_again(client: &OperatorClient, step: &RecoveryStep, failed: u32) -> Option<String> {
+    let state = client.station(step.action.station()?)?;
+    progress::instead_of_again(failed, &state.fault)
 }
 
 /// Lost devices with their diagnostics, as the station reports them; none of a step that waits for no devices of a station.
@@ -369,12 +288,12 @@ fn refused(client: &OperatorClient, step: &RecoveryStep) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use linewright_recovery::StandingAlarm;
+
+    use super::*;
     use linewright_coordinator_logic::ModeCommand;
     use linewright_line::TransferLine;
     use linewright_line::net::ControlMode;
-    use linewright_msgs::Bounded;
-
-    use super::*;
 
     fn line() -> Line {
         linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line
@@ -392,7 +311,7 @@ mod tests {
         assert_eq!(typed("my line", &auto), "linewright mode \"my line\" auto");
         assert_eq!(typed("l$x", &auto), "linewright mode \"l\\$x\" auto");
         let lost = step(RecoveryAction::First(Need::Devices(StationId(1))));
-        assert_eq!(typed("my line", &lost), "linewright can status \"my line\"");
+        assert_eq!(typed("my line", &lost), "see: linewright can status \"my line\"");
     }
 
     #[test]
@@ -410,31 +329,6 @@ mod tests {
         };
         let answer = step(RecoveryAction::First(Need::Answer(alarm)));
         assert_eq!(typed(&line(), "l", &answer), ["linewright answer l 3 as-done", "linewright answer l 3 as-before"]);
-    }
-
-    #[test]
-    fn a_failed_activity_without_an_alarm_is_unsettled() {
-        let activity = |id: u64, running, stage: Option<ExceptionStage>| ActivityState {
-            id,
-            name: "load M1".to_owned(),
-            part: 7,
-            running,
-            text: format!("failed, waits for {}", recovery(stage.as_ref())),
-            ..ActivityState::default()
-        };
-        let waiting = |alarm| activity(1, false, Some(ExceptionStage::Waiting(AlarmId(alarm))));
-        let cell = |activities, alarms: &[u64]| CellState {
-            activities: Bounded::new(activities).expect("few"),
-            alarms: Bounded::new(alarms.iter().map(|&id| AlarmState { id, ..AlarmState::default() }).collect())
-                .expect("few"),
-            ..CellState::default()
-        };
-        let securing = || activity(2, false, Some(ExceptionStage::Securing));
-        let text = "`load M1` of part 7 failed, waits for its stations to come to rest";
-        assert_eq!(unsettled(&cell(vec![securing()], &[])), [text]);
-        assert_eq!(unsettled(&cell(vec![waiting(31), securing()], &[3, 31])), [text]);
-        assert_eq!(unsettled(&cell(vec![waiting(31)], &[1])).len(), 1);
-        assert!(unsettled(&cell(vec![waiting(31), activity(2, true, None)], &[31])).is_empty());
     }
 
     #[test]

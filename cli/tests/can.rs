@@ -84,6 +84,20 @@ fn a_scan_finds_every_device_and_what_it_is() {
     assert!(shown.contains("CiA 401 I/O: digital inputs, digital outputs"), "{shown}");
 }
 
+/// `candump` and `can monitor` remark on it as well.
+#[test]
+fn a_bus_on_which_nothing_is_sent_is_named() {
+    let scratch = Scratch::new();
+    let output = Command::new(env!("CARGO_BIN_EXE_linewright"))
+        .args(["can", "--bus", "test1", "record", &scratch.path("none.log"), "--seconds", "3"])
+        .env("LINEWRIGHT_BUS_DIR", scratch.path("bus"))
+        .output()
+        .expect("the command starts");
+    let said = text(&output.stderr);
+    assert!(said.contains("nothing was received in 2 s on") && said.contains("LINEWRIGHT_BUS_DIR"), "{output:?}");
+    assert_eq!(said.matches("nothing was received").count(), 1, "{said}");
+}
+
 #[test]
 fn status_says_how_each_device_of_the_line_is() {
     let devices = Devices::new();

@@ -126,6 +126,17 @@ fn what_was_not_received_since_the_start_is_told_from_a_loss() {
 }
 
 #[test]
+fn devices_that_were_never_heard_are_one_sentence() {
+    let never =
+        |name: &str, id: &str| format!("{name} (node {id}h): never heard: no boot-up and no heartbeat (7{id}h, 1017h)");
+    let silent = "valves (node 07h): silent for 90 ms".to_owned();
+    let all = in_words(&trouble(vec![never("io", "04"), silent.clone(), never("drive", "05")]), OWNER);
+    assert_eq!(all, "never heard: io (node 04h), drive (node 05h); valves (node 07h): silent for 90 ms");
+    let one = never("io", "04");
+    assert_eq!(in_words(&trouble(vec![one.clone(), silent.clone()]), OWNER), format!("{one}; {silent}"));
+}
+
+#[test]
 fn of_many_devices_the_first_are_named_and_the_rest_counted() {
     let of = |number: usize| {
         in_words(&trouble((0..number).map(|at| format!("device {at:03} is not heard")).collect()), OWNER)

@@ -17,6 +17,7 @@
 //! The stations of one failed activity of a cell are led to the same end of it (`ends`), in the order in which they do their
 //! operations or its reverse (`order`).
 //! A station that an alarm asks to be brought to another rest is brought there by a button of hand mode (`bring`).
+//! Why a found plan has its presses follows from playing it again (`reason`).
 //! [`TRIED_MAX`] bounds the search; beyond it any plan is taken, and says that it may not be the shortest.
 
 mod bring;
@@ -27,6 +28,7 @@ mod first;
 mod image;
 mod order;
 mod plan;
+mod reason;
 mod restore;
 mod search;
 mod situation;
@@ -36,6 +38,7 @@ mod units;
 
 pub use ends::{EndsReached, LedActivity, LedOrder};
 pub use plan::{RecoveryEnd, RecoveryPlan, plan};
+pub use reason::StepReason;
 pub use restore::RestoreMisfit;
 pub use search::{TRIED_FOR_ANY_MAX, TRIED_MAX};
 pub use situation::{ActivityEnd, ConsoleSituation, DecidedEnd, LineSituation, StandingAlarm, as_received};

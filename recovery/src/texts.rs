@@ -10,6 +10,7 @@ use linewright_station_logic::RejoinAt;
 use crate::ends::{LedActivity, LedOrder};
 use crate::image;
 use crate::plan::{RecoveryEnd, RecoveryPlan};
+use crate::reason::{BackReason, OwnReason, StepReason};
 use crate::situation::ActivityEnd;
 use crate::step::{Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep};
 
@@ -324,6 +325,39 @@ pub(crate) fn reached(line: &Line, station: StationId, end: ActivityEnd) -> Stri
     match end {
         ActivityEnd::Done => format!("{name} stands at the end of its task"),
         ActivityEnd::TakenBack => format!("{name} stands where its task began"),
+    }
+}
+
+impl StepReason {
+    /// Why the step is there, e.g. `feed` of mill_1 is incomplete; without it clamp_1 is refused `open`.
+    pub fn text(&self, line: &Line) -> String {
+        let name = |id: StationId| line.station(id).name.as_str();
+        let mut parts: Vec<String> = self.own.iter().map(|&(id, own)| own.text(line, id)).collect();
+        parts.extend(self.otherwise.map(|(id, place)| {
+            let (op, undone) = (&line.operation((id, place.op)).name, place.block == Block::Recovery);
+            format!("otherwise {} is refused {}`{op}`", name(id), if undone { "undoing " } else { "" })
+        }));
+        parts.extend(self.back.map(|back| match back {
+            BackReason::NoWayOn => "advance does not move it".to_owned(),
+            BackReason::Shorter => "back is shorter than on".to_owned(),
+        }));
+        parts.join("; ")
+    }
+}
+
+impl OwnReason {
+    fn text(self, line: &Line, id: StationId) -> String {
+        let name = &line.station(id).name;
+        match self {
+            OwnReason::Incomplete(place) => {
+                let undoing = if place.block == Block::Recovery { "undoing " } else { "" };
+                format!("{undoing}`{}` of {name} is incomplete", line.operation((id, place.op)).name)
+            }
+            OwnReason::PositionLost => format!("the position of {name} is lost"),
+            OwnReason::OnTheWayHome => format!("{name} is on its recovery path"),
+            OwnReason::BetweenRests => format!("{name} stands between two rests"),
+            OwnReason::Away => format!("{name} is not at home, where counts begin anew"),
+        }
     }
 }
 

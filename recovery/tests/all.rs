@@ -8,6 +8,7 @@ mod ends;
 mod holding;
 mod operator;
 mod random_plays;
+mod reasons;
 mod resume;
 mod situations;
 mod tables;

@@ -80,6 +80,9 @@ pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         crate::out::say!("{} ({at}):{named} {what}", device.name);
         effect(&line, device, args.what).into_iter().for_each(|text| crate::out::say!("{text}"));
     }
+    for text in super::started_with_another(&line, &args.line, ros).await {
+        crate::out::complain!("{text}");
+    }
     match cleared.nothing(&args) {
         Some(nothing) => Err(nothing),
         None => Ok(ExitCode::SUCCESS),

@@ -193,15 +193,36 @@ fn recorded(path: &Path, from: Option<&str>) -> miette::Result<Vec<(Duration, Fr
     Ok(frames)
 }
 
-/// Hands over frames until there are enough, the taker has enough, or Ctrl-C.
+/// Time after which a bus without a frame is remarked on: a manager sends its heartbeat more often.
+const SILENT: Duration = Duration::from_secs(2);
+
+/// A bus on which nothing is received.
+fn silence(bus: &Bus) -> String {
+    let why = if bus.is_virtual() {
+        "no process has it, or none sends; a line that was started with another LINEWRIGHT_BUS_DIR, in another ROS domain or with another \
+         --bus has another one"
+    } else {
+        "no node sends, or the interface has another bit rate than they have"
+    };
+    format!("nothing was received in {} s on {}: {why}", SILENT.as_secs(), bus.describe())
+}
+
+/// Hands over frames until there are enough, the taker has enough, or Ctrl-C. Says once that nothing is received.
 async fn each(bus: &mut Bus, count: Option<u64>, mut take: impl FnMut(&Frame) -> bool) -> miette::Result<()> {
     let mut interrupts = Interrupts::listen()?;
     let mut left = count.unwrap_or(u64::MAX);
+    let (silent_at, mut is_silent) = (Instant::now() + SILENT, true);
     while left > 0 {
         let frame = tokio::select! {
             frame = bus.recv() => frame.into_diagnostic()?,
             () = interrupts.next() => break,
+            () = sleep_until(silent_at), if is_silent => {
+                crate::out::complain!("{}", silence(bus));
+                is_silent = false;
+                continue;
+            }
         };
+        is_silent = false;
         if !take(&frame) {
             break;
         }

@@ -13,6 +13,7 @@ mod simulated;
 mod status;
 mod value;
 
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -23,6 +24,7 @@ use linewright_line::Line;
 use linewright_node_shell::{RosArgs, RunName, bus_managed_by, lines_managing, names};
 use miette::{IntoDiagnostic, miette};
 
+use crate::client::OperatorClient;
 use crate::nodes::DEFAULT_BUS;
 
 pub use fail::{FailArgs, fail};
@@ -148,6 +150,20 @@ fn options(name: &str, found: Vec<BusDirectory>) -> miette::Result<BusOptions> {
 pub fn run_of(line: &Line, ros: &RosArgs) -> miette::Result<String> {
     let namespace = names::identify(&ros.remaps, &format!("/{}", line.name), "coordinator").into_diagnostic()?.0;
     Ok(RunName::of(&namespace, ros.domain_id))
+}
+
+/// What of a line that runs on this machine was started with another description than the one that was read. Nothing where that
+/// is not heard: the command itself is done.
+async fn started_with_another(line: &Line, path: &Path, ros: &RosArgs) -> Vec<String> {
+    const HEARD_WITHIN: Duration = Duration::from_secs(2);
+    if bus_managed_by(ros, &format!("/{}", line.name), "coordinator").is_none() {
+        return Vec::new();
+    }
+    let Ok(mut client) = OperatorClient::open(line, path, ros, "fail") else { return Vec::new() };
+    match client.until_all_heard(HEARD_WITHIN).await {
+        Ok(_) => client.other_descriptions(),
+        Err(_) => Vec::new(),
+    }
 }
 
 fn since_epoch() -> Duration {

@@ -10,6 +10,8 @@ use linewright_recovery::{
 };
 use serde::Serialize;
 
+use super::answers::{AnswerJson, answers};
+use super::newest::ReasonedPlan;
 use crate::client::OperatorClient;
 use crate::states::ModeJson;
 
@@ -70,6 +72,8 @@ struct CauseJson {
 struct StepJson {
     kind: &'static str,
     text: String,
+    /// Why it is there; null where the plan has no other press.
+    reason: Option<String>,
     station: Option<String>,
     /// `advance` or `return`; of a selector `manual` or `auto`.
     button: Option<&'static str>,
@@ -85,6 +89,8 @@ struct StepJson {
     arguments: Option<Vec<String>>,
     /// Of several commands the arguments of each; one is given, by what is so at the machine.
     choices: Vec<Vec<String>>,
+    /// Of an alarm what each choice says, in their order.
+    answers: Vec<AnswerJson>,
 }
 
 #[derive(Serialize)]
@@ -128,7 +134,7 @@ impl MotionJson {
 }
 
 impl StepJson {
-    fn of(line: &Line, path: &str, step: &RecoveryStep) -> Self {
+    fn of(line: &Line, path: &str, (step, reason): (&RecoveryStep, &Option<String>)) -> Self {
         let (kind, button, command) = match &step.action {
             RecoveryAction::First(Need::Answer(_)) => ("answer", None, None),
             RecoveryAction::First(_) => ("first", None, None),
@@ -151,6 +157,7 @@ impl StepJson {
         StepJson {
             kind,
             text: step.text(line),
+            reason: reason.clone(),
             station: step.action.station().map(|id| line.station(id).name.clone()),
             button,
             command,
@@ -160,13 +167,18 @@ impl StepJson {
             at_home: step.after.as_ref().map(|after| after.at_home),
             arguments,
             choices: commands,
+            answers: match &step.action {
+                RecoveryAction::First(Need::Answer(alarm)) => answers(alarm),
+                _ => Vec::new(),
+            },
         }
     }
 }
 
 impl RecoveryJson {
     /// The plan for a line in the directory `path`; none where its coordinator is not heard.
-    pub fn of(client: &OperatorClient, path: &str, plan: Option<&RecoveryPlan>) -> Self {
+    pub fn of(client: &OperatorClient, path: &str, found: Option<&ReasonedPlan>) -> Self {
+        let plan = found.map(|found| &found.plan);
         let line = client.line();
         let end = |plan: &RecoveryPlan| match plan.end {
             RecoveryEnd::Auto => "auto",
@@ -190,8 +202,11 @@ impl RecoveryJson {
             activities: plan
                 .map(|plan| plan.led.iter().map(|led| LedJson::of(line, led)).collect())
                 .unwrap_or_default(),
-            steps: plan
-                .map(|plan| plan.steps.iter().map(|step| StepJson::of(line, path, step)).collect())
+            steps: found
+                .map(|found| {
+                    let steps = found.plan.steps.iter().zip(&found.reasons);
+                    steps.map(|step| StepJson::of(line, path, step)).collect()
+                })
                 .unwrap_or_default(),
         }
     }

@@ -1,7 +1,7 @@
 //! A plan beside its predecessor: what was done since.
 
-use linewright_line::Line;
-use linewright_recovery::{Need, RecoveryAction, RecoveryPlan, RecoveryStep};
+use linewright_line::{Line, StationId};
+use linewright_recovery::{Need, PlannedMotion, RecoveryAction, RecoveryPlan, RecoveryStep};
 
 /// Something that ends by itself.
 fn is_wait(step: &RecoveryStep) -> bool {
@@ -23,14 +23,57 @@ pub fn newly_done(line: &Line, before: &RecoveryPlan, now: &RecoveryPlan) -> Vec
     old[..was.len() - is.len()].iter().map(|step| step.text(line)).collect()
 }
 
+/// Failures of the press that stays the first step of a plan.
+#[derive(Debug, Default)]
+pub struct PressFailures {
+    press: Option<(RecoveryAction, Vec<PlannedMotion>)>,
+    has_moved: bool,
+    failed: u32,
+}
+
+impl PressFailures {
+    /// Takes the first step of the newest plan; whether its station moves now, and whether it was stopped by what comes again.
+    pub fn note(
+        &mut self,
+        first: Option<&RecoveryStep>,
+        moves: impl Fn(StationId) -> bool,
+        comes_again: impl Fn(StationId) -> bool,
+    ) {
+        let press = first.filter(|step| matches!(step.action, RecoveryAction::Press(..)));
+        let press = press.map(|step| (step.action.clone(), step.moves.clone()));
+        if self.press != press {
+            *self = PressFailures { press, ..PressFailures::default() };
+        }
+        let Some(RecoveryAction::Press(station, _)) = self.press.as_ref().map(|(action, _)| action) else { return };
+        if moves(*station) {
+            self.has_moved = true;
+        } else if std::mem::take(&mut self.has_moved) && comes_again(*station) {
+            self.failed += 1;
+        }
+    }
+
+    /// So often in a row.
+    pub fn count(&self) -> u32 {
+        self.failed
+    }
+}
+
+/// What stands in place of a press that has failed twice: another one ends in the same fault.
+pub fn instead_of_again(failed: u32, fault: &str) -> Option<String> {
+    const OFTEN: u32 = 2;
+    (failed >= OFTEN && !fault.is_empty()).then(|| {
+        format!("this press has failed {failed} times: {fault}. Remove the cause at the machine before the next one")
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use std::time::Duration;
 
     use linewright_coordinator_logic::ModeCommand;
+    use linewright_line::OpId;
     use linewright_line::net::{ControlMode, StationPlace};
-    use linewright_line::{OpId, StationId};
-    use linewright_recovery::{PanelButton, PlannedMotion, RecoveryEnd};
+    use linewright_recovery::{PanelButton, RecoveryEnd};
 
     use super::*;
 
@@ -75,5 +118,26 @@ mod tests {
         assert_eq!(done, [press().text(&line)]);
         let other = plan(vec![moves(1), press(), auto()]);
         assert!(newly_done(&line, &other, &before).is_empty());
+    }
+
+    /// Whoever holds it longer only waits for the watchdog again.
+    #[test]
+    fn a_press_that_fails_twice_is_not_proposed_again_without_its_cause() {
+        let mut failures = PressFailures::default();
+        let mut held = |first: &RecoveryStep, comes_again: bool| {
+            for moves in [true, true, false, false] {
+                failures.note(Some(first), |_| moves, |_| comes_again);
+            }
+            failures.count()
+        };
+        let other = step(RecoveryAction::Press(StationId(0), PanelButton::Return), Vec::new(), ControlMode::Manual);
+        let counts = [held(&press(), true), held(&press(), false), held(&press(), true), held(&other, true)];
+        assert_eq!(counts, [1, 1, 2, 1], "a button that was let go is no failure; another press is another one");
+        let said = |failed| instead_of_again(failed, "feed: no arrival within 2 s");
+        assert_eq!(said(1), None);
+        let text = "this press has failed 2 times: feed: no arrival within 2 s. Remove the cause at the machine before the next one";
+        assert_eq!(said(2).as_deref(), Some(text));
+        failures.note(Some(&auto()), |_| false, |_| true);
+        assert_eq!(failures.count(), 0);
     }
 }

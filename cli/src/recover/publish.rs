@@ -9,11 +9,11 @@ use std::time::Duration;
 
 use linewright_msgs::{Text, Trigger, TriggerResponse};
 use linewright_node_shell::{ServiceReply, TopicError, qos, serve};
-use linewright_recovery::RecoveryPlan;
 use miette::miette;
 use tokio::sync::mpsc;
 
-use super::{LOOK_EVERY, NewestPlan, RecoveryJson, next_of};
+use super::newest::{NewestPlan, ReasonedPlan};
+use super::{LOOK_EVERY, RecoveryJson, next_of};
 use crate::cell::CellClient;
 use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
@@ -31,8 +31,8 @@ struct PublishedPlan {
 }
 
 impl PublishedPlan {
-    fn of(client: &OperatorClient, path: &str, found: Option<&RecoveryPlan>) -> miette::Result<Self> {
-        let leads_there = found.is_some_and(RecoveryPlan::leads_to_auto);
+    fn of(client: &OperatorClient, path: &str, found: Option<&ReasonedPlan>) -> miette::Result<Self> {
+        let leads_there = found.is_some_and(|found| found.plan.leads_to_auto());
         let text = serde_json::to_string(&RecoveryJson::of(client, path, found));
         Ok(PublishedPlan {
             text: text.map_err(|error| miette!("the plan as JSON: {error}"))?,

@@ -191,6 +191,8 @@ fn a_changed_description_is_named_and_not_planned_with(rig: &Rig) {
         ("watch", &["--json"], true),
         ("mode", &[], true),
         ("why", &[], true),
+        // Nothing of it has a fault; that is said beside.
+        ("fail", &["clamp_1", "clear"], false),
     ] {
         let (is_success, text) = said(&[words], more);
         assert!(text.contains(named) && is_success == succeeds, "{words}: {text}");

@@ -88,6 +88,55 @@ fn a_machine_that_nothing_opens_without_a_part_is_reported() {
     assert_eq!(problems(C1, None), [], "without a line nothing is known of rests");
 }
 
+/// C1 with handshakes described the wrong way round: edits of its line, and what is reported of the first activities with
+/// such an order.
+#[test]
+fn a_handshake_that_never_completes_is_reported() {
+    const SWAPPED: (&str, &str) = ("the two sensors", "are swapped");
+    const LETS_GO: (&str, &str) = ("waits = [\"m1_clamped\"]", "waits = [\"m1_open\"]");
+    const CARRIES_AWAY: (&str, &str) = ("waits = [\"m1_open\"]", "waits = [\"m1_clamped\"]");
+    const COMES: (&str, &str) = ("waits = [\"m1_ready\"]", "waits = [\"m1_clamped\"]");
+    let seen_open = "when = [{ axis = \"robot.gripper\", at = 0 }]";
+    let let_go_first = ("when = [{ part = \"robot.hand\" }, { axis = \"robot.arm\", at = 200 }]", seen_open);
+    let reported: String = [
+        ("lets go of what is not clamped", LETS_GO),
+        ("carries away what is clamped", CARRIES_AWAY),
+        ("comes when it is closed", COMES),
+        ("sensors of each other", SWAPPED),
+        ("each waits for the other to be first", let_go_first),
+    ]
+    .into_iter()
+    .map(|(title, edit)| {
+        let line = if edit == SWAPPED {
+            C1_LINE
+                .replace("m1_clamped\"\nwhen", "kept\"\nwhen")
+                .replace("m1_open\"\nwhen", "m1_clamped\"\nwhen")
+                .replace("kept\"\nwhen", "m1_open\"\nwhen")
+        } else {
+            edited(C1_LINE, &[edit])
+        };
+        let found = problems(C1, Some(&line_of(&line)));
+        assert!(found.iter().all(|problem| problem.is_warning), "{title}: {found:#?}");
+        let one = |problem: &Problem| {
+            let (place, hint) = (&C1[problem.span.clone()], problem.hint.as_deref().unwrap_or_default());
+            format!("> {place}: {}\n  ({hint})\n", problem.message)
+        };
+        format!("{title}\n{}", found.iter().map(one).collect::<String>())
+    })
+    .collect();
+    assert_eq!(reported, include_str!("problems/handshakes.txt"));
+}
+
+/// A part may be laid into a clamp that is open, and be clamped when the hand has left.
+#[test]
+fn a_handshake_that_can_complete_is_not_reported() {
+    let laid_down = [
+        ("waits = [\"m1_clamped\"]", "waits = [\"m1_open\"]"),
+        ("waits = [\"part_present\"]\nwaits_code = 12", "waits = [\"part_in_clamp\"]\nwaits_code = 12"),
+    ];
+    assert_eq!(problems(C1, Some(&line_of(&edited(C1_LINE, &laid_down)))), []);
+}
+
 #[test]
 fn a_station_that_is_not_task_driven_gets_none_and_one_that_is_should() {
     let line = include_str!("../../../launch-config/lines/transfer-line/line.toml").replacen(

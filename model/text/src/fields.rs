@@ -11,9 +11,9 @@ use toml_edit::{Item, Table, TableLike, Value};
 
 use crate::advice::{advised, missing, wrong_type, wrong_value};
 use crate::lists::texts_of;
-use crate::place::{Located, LocatedName, Named, TextRange};
+use crate::place::{Located, LocatedName, Named, Scalar, TextRange};
 use crate::suggest::nearest_all;
-use crate::{Problem, Report, Shape, suggestion};
+use crate::{Problem, Report, Shape, suggestion, units};
 
 /// No duration of a mechanism or message is sensibly longer.
 pub(crate) const DURATION_MAX_S: f64 = 24.0 * 3600.0;
@@ -29,14 +29,6 @@ pub(crate) const COORDINATE_MAX: f64 = 1e6;
 /// The smallest and largest number that measures something.
 pub(crate) const POSITIVE_MIN: f64 = 1e-6;
 pub(crate) const POSITIVE_MAX: f64 = 1e9;
-
-/// A value that may be a text or a whole number.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Scalar {
-    Text(String),
-    /// A whole number.
-    Integer(i64),
-}
 
 /// One table being read.
 pub struct Fields<'a> {
@@ -270,7 +262,9 @@ impl<'a> Fields<'a> {
 
     /// A positive duration in seconds.
     pub fn seconds(&mut self, report: &mut Report, key: &'static str) -> Option<Located<Duration>> {
-        let seconds = self.scalar(report, key, "a number of seconds", number)?;
+        let factor = units::factor(self.written(key), key);
+        let mut seconds = self.scalar(report, key, "a number of seconds", number)?;
+        seconds.value *= factor;
         if !(DURATION_MIN_S..=DURATION_MAX_S).contains(&seconds.value) {
             report.add(
                 Problem::error(seconds.at, format!("`{key}` is {} seconds", seconds.value))
@@ -284,7 +278,13 @@ impl<'a> Fields<'a> {
 
     /// A period in whole milliseconds.
     pub fn millis(&mut self, report: &mut Report, key: &'static str) -> Option<Located<Duration>> {
-        let millis = self.scalar(report, key, "a whole number of milliseconds", Item::as_integer)?;
+        let factor = units::factor(self.written(key), key);
+        let millis = if factor == 1.0 {
+            self.scalar(report, key, "a whole number of milliseconds", Item::as_integer)?
+        } else {
+            let other = self.scalar(report, key, "a number", number)?;
+            Located::new((other.value * factor).round() as i64, other.at)
+        };
         match u64::try_from(millis.value) {
             Ok(value) if (1..=MILLIS_MAX).contains(&millis.value) => {
                 Some(Located::new(Duration::from_millis(value), millis.at))
@@ -446,11 +446,9 @@ impl<'a> Fields<'a> {
         for (key, item) in self.unknown() {
             let key_at = self.table.key(key).and_then(|k| k.span());
             let at = key_at.or_else(|| item.span()).unwrap_or_else(|| self.at.clone());
-            report.add(
-                Problem::error(at, format!("unknown key `{key}` in {}", self.what))
-                    .label("unknown key")
-                    .maybe_hint(suggestion(key, self.asked.iter().copied())),
-            );
+            let hint = units::rewritten(key, &self.asked, item).or_else(|| suggestion(key, self.asked.iter().copied()));
+            let problem = Problem::error(at, format!("unknown key `{key}` in {}", self.what));
+            report.add(problem.label("unknown key").maybe_hint(hint));
         }
     }
 }

@@ -18,18 +18,19 @@ mod place;
 mod shape;
 mod splice;
 mod suggest;
+mod units;
 
 pub use linewright_diagnostics::{Problem, Problems, Report};
 
 pub use document::{BYTES_MAX, document, has_key, is_bounded};
-pub use fields::{Fields, Scalar, TEXT_MAX};
+pub use fields::{Fields, TEXT_MAX};
 pub use keys::Keys;
 pub use kind::{
     KeyKind, coordinate, coordinates, flag, integer, lists, millis, nothing, number, one_of, part, positive, scalars,
     seconds, table, tables, text, texts, texts_by_name, whole, within, word, written,
 };
 pub use names::{NAME_MAX, NameTable, phrase, ros_name, tag, unique};
-pub use place::{Located, LocatedName, Named, TextRange, or};
+pub use place::{Located, LocatedName, Named, Scalar, TextRange, or};
 pub use shape::{KeyPresence, Property, Shape, Usual, sentences};
 pub use splice::{NoteId, Splice};
 pub use suggest::{nearest, suggestion};

@@ -34,3 +34,11 @@ impl<T> Located<T> {
 pub fn or<T: Copy>(written: &Option<Located<T>>, usual: T) -> T {
     written.as_ref().map_or(usual, |written| written.value)
 }
+
+/// A value that may be a text or a whole number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Scalar {
+    Text(String),
+    /// A whole number.
+    Integer(i64),
+}

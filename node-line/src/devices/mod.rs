@@ -20,7 +20,7 @@ use tokio::sync::mpsc;
 pub use names::device_names;
 pub use services::DeviceServiceRequest;
 use services::PendingTransfer;
-pub use trouble::{DeviceDiagnosticsTopic, TROUBLE_BYTES_MAX, in_words, since_start};
+pub use trouble::{DeviceDiagnosticsTopic, TROUBLE_BYTES_MAX, cause, in_words, since_start};
 
 /// Period of full reports when nothing changes.
 const EVERY: Duration = Duration::from_secs(1);

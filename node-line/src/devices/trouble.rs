@@ -66,7 +66,15 @@ pub fn since_start(manager: &str, was_valid: bool, text: String) -> String {
     if was_valid || text.is_empty() {
         return text;
     }
-    cut(format!("{manager} was started, since then {text}"), TROUBLE_BYTES_MAX)
+    cut(format!("{manager}{STARTED}{text}"), TROUBLE_BYTES_MAX)
+}
+
+/// Between a manager and what is amiss with its devices since it was started.
+const STARTED: &str = " was started, since then ";
+
+/// The cause in a text of devices: of those that have not been operational since their manager was started, that start alone.
+pub fn cause(text: &str) -> String {
+    text.split_once(STARTED).map_or_else(|| text.to_owned(), |(manager, _)| format!("{manager} was started"))
 }
 
 /// Most bytes of a description of device faults, whatever its source.
@@ -76,9 +84,23 @@ pub const TROUBLE_BYTES_MAX: usize = 1024;
 /// times.
 const ENOUGH: usize = 800;
 
-/// A sentence for each device of `owner` that is in the way, or for the first ones; empty if none is.
+/// A sentence for each device of `owner` that is in the way, or for the first ones, and one for all that were never heard; empty if none is.
 pub fn in_words(buses: &Joined, owner: Owner) -> String {
-    joined(buses.trouble(owner).into_iter())
+    joined(unheard_together(buses.trouble(owner)).into_iter())
+}
+
+/// What is said of a device that has not sent anything, between its name and the details.
+const NEVER_HEARD: &str = ": never heard: ";
+
+/// Sentences with those of devices that were never heard as one, in place of the first: they have one cause.
+fn unheard_together(sentences: Vec<String>) -> Vec<String> {
+    let name = |sentence: &String| Some(sentence.split_once(NEVER_HEARD)?.0.to_owned());
+    let names: Vec<String> = sentences.iter().filter_map(name).collect();
+    if names.len() < 2 {
+        return sentences;
+    }
+    let mut all = Some(format!("never heard: {}", names.join(", ")));
+    sentences.into_iter().filter_map(|of| if of.contains(NEVER_HEARD) { all.take() } else { Some(of) }).collect()
 }
 
 fn joined(sentences: impl Iterator<Item = String>) -> String {

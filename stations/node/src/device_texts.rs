@@ -3,7 +3,7 @@
 //! The controller has only that its devices are invalid; which one and why comes from their manager.
 
 use linewright_msgs::{cut, fitting};
-use linewright_node_line::devices::TROUBLE_BYTES_MAX;
+use linewright_node_line::devices::{TROUBLE_BYTES_MAX, cause};
 use linewright_station_logic::{DEVICES_INVALID, HappeningKind, StationHappening, StopCause};
 
 /// Texts of the devices' faults.
@@ -20,7 +20,7 @@ impl DeviceTexts {
     pub fn trouble(&mut self, text: &str) {
         self.now = cut(text.to_owned(), TROUBLE_BYTES_MAX);
         if self.first.is_empty() {
-            self.now.clone_into(&mut self.first);
+            self.first = cause(&self.now);
         }
     }
 

@@ -38,7 +38,13 @@ fn the_first_cause_stays_with_the_fault_and_the_present_one_is_what_is_waited_fo
     );
     words.trouble("");
     assert_eq!(state(&mut words, true, "close: I/O devices lost").0, "close: I/O devices lost (io: silent)");
-    // Recovered; the next loss has a cause of its own.
+    // Recovered; the next loss has a cause of its own: that the manager was started, and not each device that it does not hear yet.
+    state(&mut words, true, "");
+    words.trouble("coordinator was started, since then never heard: io (node 04h), drive (node 05h)");
+    let (fault, reason) = state(&mut words, false, "close: I/O devices lost");
+    assert_eq!(fault, "close: I/O devices lost (coordinator was started)");
+    assert!(reason.ends_with("was started, since then never heard: io (node 04h), drive (node 05h)"), "{reason}");
+    words.trouble("");
     state(&mut words, true, "");
     words.trouble("io: booted");
     assert_eq!(state(&mut words, false, "close: I/O devices lost").0, "close: I/O devices lost (io: booted)");

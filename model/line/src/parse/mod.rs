@@ -25,6 +25,7 @@ mod raw;
 mod resolve;
 mod rules;
 mod setup;
+mod swapped;
 mod task;
 mod types;
 mod wiring;
@@ -92,7 +93,8 @@ fn understand(text: &str, report: &mut Report) -> Option<Line> {
 fn written_out(text: &str, report: &mut Report) -> Option<Line> {
     let raw = raw::read(text, report)?;
     let names = names::names(&raw, report);
-    let draft = resolve::resolve(&raw, names, report);
+    let mut draft = resolve::resolve(&raw, names, report);
+    swapped::turn_round(&mut draft, report);
     rules::check(&draft, report);
     if report.has_errors() { None } else { finish::finish(&draft) }
 }

@@ -5,6 +5,7 @@
 
 mod dispatch;
 mod exceptions;
+mod handshakes;
 mod orders;
 mod plans;
 mod resources;
@@ -78,6 +79,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
     }
     if !report.has_errors() {
         ways::resources_are_used(draft, &routes, report);
+        handshakes::activities_can_complete(draft, report);
     }
     Some(routes)
 }

@@ -10,7 +10,7 @@ use crate::parse::raw::ModuleKind;
 /// Coordinates nearer than this are the same place: a micrometre below the resolution of any switch.
 pub(super) const SAME_PLACE: f64 = 1e-6;
 
-pub(super) fn same_place(a: f64, b: f64) -> bool {
+pub(in crate::parse) fn same_place(a: f64, b: f64) -> bool {
     (a - b).abs() < SAME_PLACE
 }
 

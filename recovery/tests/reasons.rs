@@ -1,0 +1,66 @@
+//! Why a plan has each of its presses.
+
+use std::time::Duration;
+
+use linewright_line::StationId;
+use linewright_recovery::plan;
+use linewright_simulation::{LineSim, NodeProcess, OperatorAction};
+use linewright_testkit::built::transfer_line;
+
+use crate::brute_force::disturbed;
+use crate::operator::{in_auto, run_for, situation};
+
+/// The presses of a plan, each with its reason.
+fn reasons(sim: &LineSim) -> Vec<String> {
+    let (line, now) = (sim.line(), situation(sim));
+    let found = plan(line, &now);
+    let all = found.steps.iter().zip(found.reasons(line, &now));
+    all.filter_map(|(step, why)| Some(format!("{} ({})", step.text(line), why?.text(line)))).collect()
+}
+
+/// Clamp 1 has lost its memory, the tool of the mill is forward.
+#[test]
+fn a_station_that_is_in_the_way_is_moved_for_the_one_that_is_refused() {
+    let mut sim = in_auto(&transfer_line(), 1, Duration::from_millis(1130));
+    let clamp = NodeProcess::Station(StationId(1));
+    for action in [OperatorAction::Kill(clamp), OperatorAction::RestartEmpty(clamp)] {
+        sim.act(action).expect("it is done");
+        run_for(&mut sim, Duration::from_secs(3));
+    }
+    assert_eq!(
+        reasons(&sim),
+        [
+            "mill_1: hold return until `rapid advance positioning slide` is undone: positioning_slide to 0, LS_positioning_0 on, 0.3 s \
+             (mill_1 is not at home, where counts begin anew; otherwise clamp_1 is refused `return clamp`)",
+            "clamp_1: hold advance until `return clamp` is done: stroke to 0, LS_open on, 0.2 s (`return clamp` of clamp_1 is incomplete)",
+        ]
+    );
+}
+
+#[test]
+fn what_is_taken_back_and_what_is_led_on_have_their_reasons() {
+    assert_eq!(
+        reasons(&disturbed(&transfer_line(), 105)),
+        [
+            "mill_1: hold return until `rapid advance positioning slide` is undone: positioning_slide to 0, LS_positioning_0 on, 0.3 s \
+             (undoing `rapid advance positioning slide` of mill_1 is incomplete)",
+            "mill_1: hold return until `reset main slide` is done: main_slide to 0, LS_main_0 on, 0.3 s (mill_1 is on its recovery path)",
+        ]
+    );
+    assert_eq!(
+        reasons(&disturbed(&transfer_line(), 22)),
+        [
+            "mill_1: hold advance until `feed main slide` is done: main_slide to 60, LS_main_60 on, 0.7 s \
+             (`feed main slide` of mill_1 is incomplete)",
+            "transfer: hold advance until `return transfer` is done: horizontal to 0, LS_horizontal_0 on, 0.5 s \
+             (undoing `return transfer` of transfer is incomplete)",
+        ]
+    );
+}
+
+#[test]
+fn one_press_alone_needs_no_reason() {
+    let mut sims = (0..40).map(|seed| disturbed(&transfer_line(), seed));
+    let has_one = |sim: &LineSim| plan(sim.line(), &situation(sim)).presses() == 1;
+    assert_eq!(reasons(&sims.find(has_one).expect("some have one")), [""; 0]);
+}
