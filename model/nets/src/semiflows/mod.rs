@@ -21,7 +21,6 @@ use thiserror::Error;
 use crate::{Net, PlaceId, TransitionId};
 use rays::Matrix;
 
-pub use consequences::Exclusion;
 
 /// A minimal semiflow: the nodes of its support, in order, each with its weight.
 ///
