@@ -1,7 +1,5 @@
 //! Nets for property tests: written as plain data, so that a failing case can be read.
 
-#![allow(dead_code)] // Each test binary uses its own part.
-
 use linewright_nets::{Net, NetBuilder};
 use proptest::prelude::*;
 
