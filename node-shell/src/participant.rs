@@ -10,7 +10,7 @@
 use crate::action::{self, ActionCaller, ActionOffer, RawActionServer};
 use crate::caller::{Caller, Mapping};
 use crate::names::{self, NameError};
-use crate::relay::{self, Relay};
+use crate::relay::Relay;
 use crate::service::Service;
 use crate::{Publisher, Range, RosArgs, Subscription, qos};
 use linewright_msgs::{RosAction, RosMessage, RosService};
@@ -121,9 +121,6 @@ impl Participant {
     pub fn number(&self) -> u16 {
         self.context.domain_participant().participant_id()
     }
-
-    /// Most participants of one machine and domain that find each other on the loopback address.
-    pub const MAX_ON_LOCALHOST: u16 = relay::PORTS - 1;
 }
 
 /// Time for the middleware to take in what was opened, before the next thing is.
@@ -154,11 +151,6 @@ impl RosNode {
     /// Base name after remaps.
     pub fn name(&self) -> &str {
         &self.name
-    }
-
-    /// The parameter given on the command line for this node.
-    pub fn param(&self, name: &str) -> Option<&crate::ParamValue> {
-        self.args.param(&self.name, name)
     }
 
     /// The absolute name of a topic after expansion and remaps.

@@ -23,7 +23,7 @@ use std::time::Duration;
 pub(crate) const PROBED: u16 = 12;
 
 /// Participants whose ports exist in every domain: those of domain 232 end here.
-pub(crate) const PORTS: u16 = 63;
+const PORTS: u16 = 63;
 
 /// Most time until a relay whose process has gone is replaced, and until this one stops.
 const RETRY: Duration = Duration::from_millis(500);

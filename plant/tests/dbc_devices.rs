@@ -5,39 +5,13 @@ use linewright_line::{DeviceKind, Line};
 use linewright_plant::DeviceFault;
 
 use crate::managed::Managed;
+use linewright_testkit::presses::PRESSING;
 
 const ADVANCE: u128 = 1;
 const RETURN: u128 = 2;
 
-/// A press whose valves and switches hang on a box with frames of its own.
-const LINE: &str = r#"
-name = "pressing"
-
-[[station]]
-name = "press"
-home = "return"
-axes = { ram = 0.0 }
-
-[[station.operation]]
-name = "advance"
-module = "R"
-moves = { axis = "ram", from = 0, to = 80 }
-duration_s = 0.2
-watchdog_s = 1.0
-normal = { actuator = "forward", complete = "front" }
-recovery = { actuator = "back", complete = "rear" }
-hand = { type = 6, forward = "PB_1", back = "PB_2", next = "PB_2" }
-
-[[station.operation]]
-name = "return"
-module = "R"
-moves = { axis = "ram", from = 80, to = 0 }
-duration_s = 0.2
-watchdog_s = 1.0
-normal = { actuator = "back", complete = "rear" }
-recovery = { actuator = "forward", complete = "front" }
-hand = { type = 6, forward = "PB_2", back = "PB_1", next = "PB_1" }
-
+/// The valves and switches of the press hang on a box with frames of its own.
+const DEVICE: &str = r#"
 [[device]]
 name = "valve box"
 station = "press"
@@ -75,8 +49,7 @@ BO_ 320 BoxCommand: 3 Controller
 "#;
 
 fn line(text: &str, file: &str) -> Line {
-    let buttons = text.replacen("name = \"pressing\"", "name = \"pressing\"\nbuttons = [\"PB_1\", \"PB_2\"]", 1);
-    let mut line = match linewright_line::parse("line.toml", &buttons) {
+    let mut line = match linewright_line::parse("line.toml", &format!("{PRESSING}{text}")) {
         Ok(parsed) => parsed.line,
         Err(problems) => panic!("{problems:#}"),
     };
@@ -96,13 +69,13 @@ fn inputs(bus: &Managed) -> Option<(bool, bool)> {
 }
 
 fn fail(bus: &mut Managed, fault: Option<DeviceFault>) {
-    let device = line(LINE, BOX).devices.remove(0);
+    let device = line(DEVICE, BOX).devices.remove(0);
     bus.rack.fail_device(bus.now, &device, fault);
 }
 
 #[test]
 fn outputs_move_the_ram_and_inputs_say_where_it_is() {
-    let mut bus = up(LINE, BOX);
+    let mut bus = up(DEVICE, BOX);
     assert_eq!(inputs(&bus), Some((false, true)));
     bus.set(ADVANCE);
     bus.run(100);
@@ -119,7 +92,7 @@ fn outputs_move_the_ram_and_inputs_say_where_it_is() {
 #[test]
 fn it_sends_nothing_that_its_file_says_is_no_value() {
     let file = BOX.replace("[-100|200]", "[0.1|79.6]");
-    let mut bus = up(LINE, &file);
+    let mut bus = up(DEVICE, &file);
     assert_eq!(inputs(&bus), Some((false, true)));
     bus.set(ADVANCE);
     for _ in 0..250 {
@@ -133,7 +106,7 @@ fn it_sends_nothing_that_its_file_says_is_no_value() {
 /// A form for each valve. By the device's counter, which is one, no frame is taken for the one before it.
 #[test]
 fn a_message_in_two_forms_moves_the_ram() {
-    let (head, tail) = LINE.split_once("send = [").expect("what it is sent");
+    let (head, tail) = DEVICE.split_once("send = [").expect("what it is sent");
     assert!(tail.contains("Back"));
     let form = |which: u8, output: &str, signal: &str| {
         format!(
@@ -156,7 +129,7 @@ fn a_message_in_two_forms_moves_the_ram() {
 
 #[test]
 fn one_that_is_unplugged_lets_go_and_so_does_its_owner() {
-    let mut bus = up(LINE, BOX);
+    let mut bus = up(DEVICE, BOX);
     bus.set(ADVANCE);
     bus.run(50);
     fail(&mut bus, Some(DeviceFault::Silent));
@@ -174,7 +147,7 @@ fn one_that_is_unplugged_lets_go_and_so_does_its_owner() {
 
 #[test]
 fn without_its_manager_it_lets_go_by_itself() {
-    let mut bus = up(LINE, BOX);
+    let mut bus = up(DEVICE, BOX);
     bus.set(ADVANCE);
     bus.run(50);
     assert_eq!(bus.outputs(), ADVANCE);

@@ -7,7 +7,6 @@ mod common;
 mod generated;
 mod limits;
 mod lumped;
-mod ordered;
 mod parts;
 mod positions;
 mod recovery;

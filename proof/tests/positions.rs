@@ -1,13 +1,10 @@
 //! Measured positions by themselves: they exclude the conflicts whatever is commanded, and each part of the barrier is needed.
 
-use linewright_line::{Line, TransferLine, parse};
+use linewright_line::{Line, parse};
 use linewright_proof::positions::{PositionRules, PositionsExplored, explore_positions};
+use linewright_testkit::built::transfer_line as shipped;
 
 const STATES: usize = 2_000_000;
-
-fn shipped() -> Line {
-    parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
-}
 
 fn explored(line: &Line, nth: usize, rules: PositionRules) -> PositionsExplored {
     explore_positions(line, &line.conflicts[nth], rules, STATES).expect("its stations compile")

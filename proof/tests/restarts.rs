@@ -1,16 +1,13 @@
 //! Stations that are restarted at any moment, with their memories and without. What comes of it in manual mode is for measured
 //! positions, and explored in `positions.rs`.
 
+use linewright_line::Line;
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, TransferLine, parse};
 use linewright_proof::explore::{Grants, LineExploration, LineExplored, SearchLimits, explore};
 use linewright_proof::generate::{self, LineShape};
+use linewright_testkit::built::transfer_line as shipped;
 
 use crate::common::{explored, lines};
-
-fn shipped() -> Line {
-    parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
-}
 
 fn found(setting: &LineExploration) -> LineExplored {
     explore(setting, SearchLimits::default()).expect("the shipped line can be explored")

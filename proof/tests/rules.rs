@@ -1,13 +1,10 @@
 //! With any one rule off there is a violation on the shipped line or on another, and it is found: this shows that the
 //! explorer would see it.
 
-use linewright_line::{Line, TransferLine, parse};
+use linewright_line::Line;
 use linewright_proof::explore::{LineExploration, LineExplored, SearchLimits, Verdict, explore};
 use linewright_station_logic::Rules;
-
-fn shipped() -> Line {
-    parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
-}
+use linewright_testkit::built::transfer_line as shipped;
 
 fn without(line: &Line, rules: Rules) -> LineExplored {
     let mut setting = LineExploration::new(line);

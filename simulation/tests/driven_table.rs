@@ -32,62 +32,6 @@ fn over_more_than_two_turns_each_cycle_brings_the_parts_on_by_one_place() {
     assert_eq!(goes("cycles = 9"), 9);
 }
 
-#[test]
-fn a_table_that_jams_half_way_is_led_on_to_its_place() {
-    let turned = goes(
-        r#"
-        cycles = 2
-        [[step]]
-        when = "cycles >= 1 and table: index is operating"
-        after_s = 0.4
-        stick = "table: index"
-        [[step]]
-        when = "line is stand-by and all are stopped"
-        expect = "table is incomplete"
-        [[step]]
-        clear = "table: index"
-        [[step]]
-        after_s = 1.5
-        command = "manual"
-        [[step]]
-        when = "all obey manual"
-        jog = "table: advance"
-        expect = "table: index is done"
-        [[step]]
-        command = "auto"
-        "#,
-    );
-    assert_eq!(turned, 2);
-}
-
-#[test]
-fn its_process_dies_half_way_and_it_goes_on_to_the_same_place() {
-    let turned = goes(
-        r#"
-        cycles = 3
-        [[step]]
-        when = "cycles >= 1 and table: index is operating"
-        after_s = 0.4
-        kill = "table"
-        [[step]]
-        after_s = 1
-        restart = "table"
-        [[step]]
-        when = "all are heard and all are stopped"
-        expect = "table is incomplete"
-        [[step]]
-        command = "manual"
-        [[step]]
-        when = "all obey manual"
-        jog = "table: advance"
-        expect = "table: index is done"
-        [[step]]
-        command = "auto"
-        "#,
-    );
-    assert_eq!(turned, 3);
-}
-
 /// With a switch this is the doubt that a person has to end.
 #[test]
 fn its_process_dies_as_it_sets_out_and_it_is_known_to_stand_where_it_began() {

@@ -54,17 +54,6 @@ fn modes(sim: &LineSim) -> Vec<Option<ControlMode>> {
 }
 
 #[test]
-fn a_shipped_scenario_comes_to_the_same_end_on_the_buses() {
-    let shipped = include_str!("../../launch-config/lines/transfer-line/scenarios/jammed-clamp.toml");
-    let (at_once, end) = play(shipped);
-    let (sim, on_buses) = play_line(&transfer_line(1), shipped, on_buses());
-    assert_eq!((&end, &on_buses), (&RunEnd::Done, &RunEnd::Done), "{}", sim.log().tail(sim.line(), 40));
-    let faults = |sim: &LineSim| sim.record().faults().iter().map(|f| (f.station, f.op, f.cause)).collect::<Vec<_>>();
-    assert_eq!((faults(&sim), sim.log().modes()), (faults(&at_once), at_once.log().modes()));
-    assert_eq!(faults(&sim).len(), 1);
-}
-
-#[test]
 fn a_station_with_a_bus_of_its_own_does_what_it_does_on_the_line_s() {
     let (line, own) = (transfer_line(1), with_own_bus());
     let (shared, end) = run_on_buses(&line);
@@ -202,21 +191,6 @@ fn a_station_that_dies_at_its_record_puts_out_nothing_that_follows() {
         }
         sim.act(OperatorAction::Restart(NodeProcess::Station(MILL))).unwrap();
         assert!(sim.controller(MILL).is_some_and(|c| c.marking().any(|place| place.is_incomplete())));
-    }
-}
-
-#[test]
-fn what_is_cut_is_not_heard_until_it_is_joined() {
-    for options in [logged(), on_buses()] {
-        let line = transfer_line(1);
-        let mut sim = during(&line, options, "mill_1", "feed main slide");
-        sim.act(OperatorAction::Cut(NodeProcess::Coordinator, NodeProcess::Station(MILL))).unwrap();
-        sim.act(OperatorAction::Cut(NodeProcess::Station(MILL), NodeProcess::Coordinator)).unwrap();
-        sim.run_to(sim.now() + line.timing.lease + Duration::from_millis(20));
-        assert_eq!((modes(&sim)[MILL.index()], sim.hears(MILL)), (Some(ControlMode::StandBy), false));
-        sim.act(OperatorAction::Heal).unwrap();
-        sim.run_to(sim.now() + Duration::from_secs(1));
-        assert!(sim.hears(MILL));
     }
 }
 

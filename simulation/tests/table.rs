@@ -121,45 +121,6 @@ fn a_table_that_jams_half_way_is_named_and_led_on_to_the_next_place() {
     confirmed(&mut sim, Some(INDEX));
 }
 
-/// Its switch is on, and it may stand at either place: neither its drive nor a restart ends that.
-#[test]
-fn a_table_that_does_not_set_out_is_in_doubt_over_a_restart_too() {
-    let mut sim = goes(
-        r#"
-        cycles = 1
-        [[step]]
-        when = "cycles >= 1"
-        stick = "table: index"
-        [[step]]
-        when = "line is stand-by and all are stopped"
-        expect = "table is incomplete"
-        [[step]]
-        clear = "table: index"
-        [[step]]
-        kill = "table"
-        [[step]]
-        after_s = 1
-        restart = "table"
-        [[step]]
-        when = "all are heard and all are stopped"
-        after_s = 0.3
-        refused = "auto"
-        [[step]]
-        command = "manual"
-        [[step]]
-        when = "all obey manual"
-        press = "table: advance"
-        for_s = 1.0
-        [[step]]
-        after_s = 0.1
-        expect = "table is incomplete and table is blocked"
-        "#,
-    );
-    assert_eq!(causes(&sim), [StopCause::SwitchStuck]);
-    assert_eq!(counted(&sim), indexes(&sim));
-    confirmed(&mut sim, None);
-}
-
 /// The table comes to its next place and its controller does not see it: it is not turned on once more.
 #[test]
 fn a_table_whose_switch_is_stuck_as_it_turns_is_in_doubt() {
@@ -191,108 +152,6 @@ fn a_table_whose_switch_is_stuck_as_it_turns_is_in_doubt() {
     confirmed(&mut sim, None);
 }
 
-#[test]
-fn released_half_way_in_manual_it_stays_there_and_nobody_comes_in() {
-    let sim = goes(
-        r#"
-        cycles = 2
-        [[step]]
-        when = "cycles >= 1 and all are home"
-        command = "stop"
-        [[step]]
-        when = "line is home"
-        command = "start"
-        [[step]]
-        command = "manual"
-        [[step]]
-        when = "all obey manual"
-        press = "table: advance"
-        for_s = 0.4
-        [[step]]
-        after_s = 0.1
-        expect = "table is incomplete"
-        [[step]]
-        press = "load: advance"
-        for_s = 0.5
-        [[step]]
-        after_s = 0.1
-        expect = "load is home"
-        [[step]]
-        jog = "table: advance"
-        expect = "table: index is done"
-        [[step]]
-        press = "load: advance"
-        for_s = 0.2
-        [[step]]
-        after_s = 0.1
-        expect = "load is incomplete"
-        [[step]]
-        press = "table: advance"
-        for_s = 0.5
-        [[step]]
-        after_s = 0.1
-        expect = "table is stopped"
-        [[step]]
-        jog = "load: advance"
-        [[step]]
-        command = "auto"
-        "#,
-    );
-    assert_eq!(causes(&sim), []);
-}
-
-#[test]
-fn its_process_dies_half_way_and_it_goes_on_from_there() {
-    let sim = goes(
-        r#"
-        cycles = 3
-        [[step]]
-        when = "cycles >= 1 and table: index is operating"
-        after_s = 0.5
-        kill = "table"
-        [[step]]
-        after_s = 1
-        restart = "table"
-        [[step]]
-        when = "all are heard and all are stopped"
-        expect = "table is incomplete"
-        [[step]]
-        command = "manual"
-        [[step]]
-        when = "all obey manual"
-        jog = "table: advance"
-        expect = "table: index is done"
-        [[step]]
-        command = "auto"
-        "#,
-    );
-    assert_eq!(indexes(&sim), 3);
-}
-
-#[test]
-fn an_overload_in_the_middle_of_its_way_is_a_fault_like_any() {
-    let sim = goes(
-        r#"
-        cycles = 2
-        [[step]]
-        when = "cycles >= 1 and table: index is operating"
-        after_s = 0.3
-        break = "table: index"
-        [[step]]
-        when = "line is stand-by and all are stopped"
-        clear = "table: index"
-        [[step]]
-        command = "manual"
-        [[step]]
-        when = "all obey manual"
-        jog = "table: advance"
-        [[step]]
-        command = "auto"
-        "#,
-    );
-    assert_eq!(causes(&sim), [StopCause::Signal]);
-}
-
 /// Its switch is on, and the controller has seen neither that the table left nor that it came.
 #[test]
 fn its_process_dies_as_it_sets_out_and_only_a_person_who_has_looked_ends_the_doubt() {
@@ -318,44 +177,5 @@ fn its_process_dies_as_it_sets_out_and_only_a_person_who_has_looked_ends_the_dou
         refused = "auto"
         "#,
     );
-    confirmed(&mut sim, None);
-}
-
-/// Its switch flickers as the table stands before its index, and goes off for good as it turns: neither is an index.
-#[test]
-fn a_switch_that_flickers_where_the_index_begins_stops_the_line_in_doubt() {
-    let mut sim = goes(
-        r#"
-        cycles = 1
-        [[step]]
-        when = "cycles >= 1 and table: index is operating"
-        stick = "table: index"
-        [[step]]
-        after_s = 0.05
-        stuck-off = "table: LS_in_place"
-        [[step]]
-        after_s = 0.05
-        clear = "table: LS_in_place"
-        [[step]]
-        when = "line is stand-by and all are stopped"
-        after_s = 0.2
-        expect = "table is incomplete and table is blocked"
-        [[step]]
-        clear = "table: index"
-        [[step]]
-        refused = "auto"
-        [[step]]
-        command = "manual"
-        [[step]]
-        when = "all obey manual"
-        press = "table: advance"
-        for_s = 1.0
-        [[step]]
-        after_s = 0.1
-        expect = "table is incomplete"
-        "#,
-    );
-    assert!(matches!(causes(&sim)[..], [StopCause::IndexDoubtful { .. }]), "{:?}", causes(&sim));
-    assert_eq!(counted(&sim), indexes(&sim));
     confirmed(&mut sim, None);
 }

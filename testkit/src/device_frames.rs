@@ -12,32 +12,16 @@ use std::time::Duration;
 
 use linewright_canopen::sdo::wire::ClientFrame;
 use linewright_canopen::{CanopenMessage, Frame, NodeId};
-use linewright_line::{AtRest, AxisId, Drive, DriveMode, DriveTarget, InputId, OutputId, Tick, Timing};
+use linewright_line::{Drive, Tick, Timing};
 use linewright_plant::{CanDevice, DeviceNode, DeviceOutbox, DriveNode};
+
+use crate::manager_frames::drive;
 
 const IO: u8 = 4;
 const DRIVE: u8 = 5;
 const BITS: usize = 10;
 /// Most frames in answer to one frame: a block of a long object, an emergency, inputs.
 const FRAMES_MAX: usize = 160;
-
-fn drive() -> Drive {
-    let target = |output, to| DriveTarget { output: OutputId(output), to, at: InputId(output), velocity: 300.0 };
-    Drive {
-        axis: AxisId(0),
-        mode: DriveMode::Position,
-        units_per_mm: 1000.0,
-        window: 0.05,
-        velocity: 300.0,
-        acceleration: 2000.0,
-        quick_stop: 4000.0,
-        at_rest: AtRest::Hold,
-        targets: vec![target(0, 0.0), target(1, 80.0)],
-        index: None,
-        fault: None,
-        homing: None,
-    }
-}
 
 /// Two devices.
 pub struct DeviceBench {
@@ -57,7 +41,7 @@ impl DeviceBench {
         let now = Tick::from_millis(1000);
         let timing = Timing::default();
         let node = |id| NodeId::new(id).expect("a node id");
-        let drive = DriveNode::new(now, node(DRIVE), &drive(), 10.0, &timing);
+        let drive = DriveNode::new(now, node(DRIVE), &Drive { fault: None, homing: None, ..drive() }, 10.0, &timing);
         let place = drive.place(now);
         let io = DeviceNode::new(now, node(IO), BITS, BITS, &timing);
         let mut bench = DeviceBench { io, drive, now, sent: 0, place: place as i64, energised: 0 };

@@ -59,7 +59,8 @@ fn device(node: u8) -> Device {
     }
 }
 
-fn drive() -> Drive {
+/// A drive with two targets, a fault and a homing.
+pub fn drive() -> Drive {
     let target = |output, to| DriveTarget { output: OutputId(output), to, at: InputId(output), velocity: 300.0 };
     Drive {
         axis: AxisId(0),

@@ -24,7 +24,38 @@ pub const RETURN: u128 = 0b10;
 /// Time of the ram's way of 80 mm, forward.
 pub const FORWARD_TIME: Duration = Duration::from_millis(200);
 /// And back.
-pub const RETURN_TIME: Duration = Duration::from_millis(100);
+const RETURN_TIME: Duration = Duration::from_millis(100);
+
+/// One press as a text, without its device: valves `forward` and `back`, switches `front` and `rear`.
+pub const PRESSING: &str = r#"
+name = "pressing"
+buttons = ["PB_1", "PB_2"]
+
+[[station]]
+name = "press"
+home = "return"
+axes = { ram = 0.0 }
+
+[[station.operation]]
+name = "advance"
+module = "R"
+moves = { axis = "ram", from = 0, to = 80 }
+duration_s = 0.2
+watchdog_s = 1.0
+normal = { actuator = "forward", complete = "front" }
+recovery = { actuator = "back", complete = "rear" }
+hand = { type = 6, forward = "PB_1", back = "PB_2", next = "PB_2" }
+
+[[station.operation]]
+name = "return"
+module = "R"
+moves = { axis = "ram", from = 80, to = 0 }
+duration_s = 0.2
+watchdog_s = 1.0
+normal = { actuator = "back", complete = "rear" }
+recovery = { actuator = "forward", complete = "front" }
+hand = { type = 6, forward = "PB_2", back = "PB_1", next = "PB_1" }
+"#;
 
 fn operation(name: &str, from: f64, to: f64) -> Operation {
     let forward = to > from;

@@ -232,6 +232,27 @@ impl WatchedLine {
         self.line().station_ids().all(|id| self.controller(id).is_some_and(Controller::is_at_home))
     }
 
+    /// To the end of so many cycles of the first mill, all parts before the last one machined once.
+    pub fn makes_each_part_once(&mut self, cycles: i32) {
+        self.run_until_done("mill_1", "reset main slide", cycles);
+        self.machined_each_once(cycles as usize - 1);
+    }
+
+    /// Two more parts are made, and each has been machined once; no node was restarted since it had these lives.
+    pub fn goes_on(&mut self, lives: &[u64]) {
+        let parts = self.observer().places();
+        self.run_until("two more parts", |s| s.observer().places() >= parts + 2);
+        self.machined_each_once(parts + 1);
+        assert_eq!(self.lives(), lives, "nobody was restarted");
+    }
+
+    fn machined_each_once(&self, parts: usize) {
+        for part in 1..=parts {
+            let machined = self.observer().machined(1, part);
+            assert_eq!(machined, 1, "part {part} is machined {machined} times");
+        }
+    }
+
     /// Waits for everything that an operator would: devices, states, orders. A second is long enough for all of them.
     pub fn settle(&mut self) {
         self.run_for(Duration::from_secs(1));

@@ -12,7 +12,7 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::HappeningKind;
-use linewright_tests::{NodeProcess, ROUGH, WatchedLine, moments, soak, transfer_line};
+use linewright_tests::{NodeProcess, WatchedLine, moments};
 
 const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
 
@@ -22,14 +22,6 @@ fn started_after(sim: &WatchedLine, since: Tick) -> Option<(StationId, Tick, Str
         let mut late = sim.log().of(id).filter(|(at, e)| *at > since && matches!(e.what, HappeningKind::Started(..)));
         late.next().map(|(at, e)| (id, at, e.text(sim.line(), id)))
     })
-}
-
-fn two_more_cycles(sim: &mut WatchedLine) {
-    sim.run_until_done("mill_1", "reset main slide", 4);
-    for part in 1..=3 {
-        let machined = sim.observer().machined(1, part);
-        assert_eq!(machined, 1, "part {part} is machined {machined} times");
-    }
 }
 
 #[test]
@@ -53,7 +45,7 @@ fn a_station_killed_at_any_moment_and_restarted_from_its_journal() {
             sim.settle();
             assert!(started_after(&sim, quiet).is_none(), "its return starts nothing");
             sim.bring_back();
-            two_more_cycles(&mut sim);
+            sim.makes_each_part_once(4);
         }
     }
 }
@@ -70,7 +62,7 @@ fn a_station_that_dies_between_its_record_and_its_word() {
             sim.run_for(Duration::from_millis(20));
             sim.restart_station(id);
             sim.bring_back();
-            two_more_cycles(&mut sim);
+            sim.makes_each_part_once(4);
         }
     }
 }
@@ -99,7 +91,7 @@ fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
                 sim.order(ModeCommand::Start);
                 sim.order(ModeCommand::Auto);
             }
-            two_more_cycles(&mut sim);
+            sim.makes_each_part_once(4);
         }
     }
 }
@@ -121,7 +113,7 @@ fn a_coordinator_killed_at_any_moment_and_replaced() {
             assert!(sim.epoch() > before, "its epochs are above all before it");
             assert_ne!(sim.mode(), Some(ControlMode::Auto), "nobody has asked for auto");
             sim.bring_back();
-            two_more_cycles(&mut sim);
+            sim.makes_each_part_once(4);
         }
     }
 }
@@ -144,7 +136,7 @@ fn a_station_cut_off_from_the_coordinator_but_not_from_its_neighbours() {
             assert_eq!(started_after(&sim, quiet), None, "{station} cut off at {moment} ms");
             sim.heal();
             sim.bring_back();
-            two_more_cycles(&mut sim);
+            sim.makes_each_part_once(4);
         }
     }
 }
@@ -162,23 +154,6 @@ fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
         let heard = sim.blocked_by(clamp).iter().chain(&sim.blocked_by(transfer)).any(|r| r.contains("the state of "));
         assert!(heard, "and each says why");
         sim.heal();
-        two_more_cycles(&mut sim);
-    }
-}
-
-#[test]
-fn on_a_rough_network_too() {
-    for seed in 0..30 * soak() {
-        let mut sim = WatchedLine::with(&transfer_line(1.0), seed, ROUGH, 0.1);
-        sim.start_auto();
-        sim.patiently_until_done("clamp_1", "return clamp", 2);
-        sim.run_for(Duration::from_millis(seed * 118 % 3540));
-        let id = sim.id(STATIONS[(seed % 3) as usize]);
-        sim.kill_station(id);
-        sim.run_for(Duration::from_millis(seed * 10));
-        sim.restart_station(id);
-        sim.bring_back();
-        sim.patiently_until_done("mill_1", "reset main slide", 4);
-        two_more_cycles(&mut sim);
+        sim.makes_each_part_once(4);
     }
 }

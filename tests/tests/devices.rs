@@ -8,14 +8,6 @@ use linewright_line::net::ControlMode;
 use linewright_plant::DeviceFault;
 use linewright_tests::WatchedLine;
 
-fn bring_back(sim: &mut WatchedLine) {
-    sim.bring_back();
-    sim.run_until_done("mill_1", "reset main slide", 4);
-    for part in 1..=3 {
-        assert_eq!(sim.observer().machined(1, part), 1, "part {part} is machined once");
-    }
-}
-
 #[test]
 fn a_gateway_that_is_replaced_does_not_energise_what_was_decided_for_its_predecessor() {
     // Sooner than a station's image runs out, so every station still has inputs of the gateway before.
@@ -47,5 +39,6 @@ fn a_console_that_falls_silent_is_an_emergency_stop() {
     sim.fail_device("console io", None);
     sim.settle();
     sim.order(ModeCommand::Reset);
-    bring_back(&mut sim);
+    sim.bring_back();
+    sim.makes_each_part_once(4);
 }

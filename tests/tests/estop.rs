@@ -54,10 +54,7 @@ fn stop_and_come_back(moment: Duration, by_wire: bool) {
     assert!(sim.ask(ModeCommand::Auto).is_err() && sim.ask(ModeCommand::Hand).is_err());
 
     sim.bring_back();
-    sim.run_until_done("mill_1", "reset main slide", 4);
-    for part in 1..=3 {
-        assert_eq!(sim.observer().machined(1, part), 1, "part {part} is machined once");
-    }
+    sim.makes_each_part_once(4);
 }
 
 /// Every 60 ms and every 90 ms; with `LINEWRIGHT_SOAK=3` every 20 ms and every 30 ms.

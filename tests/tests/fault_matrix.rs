@@ -99,16 +99,6 @@ fn is_said(sim: &WatchedLine, station: StationId, device: &str, node: &str, word
     sim.trouble(station).iter().any(|said| said.starts_with(&whose) && said.contains(words))
 }
 
-/// The line makes parts again, each machined once, and no node was restarted for it.
-fn cycles_on(sim: &mut WatchedLine, lives: &[u64]) {
-    let parts = sim.observer().places();
-    sim.run_until("two more parts", |s| s.observer().places() >= parts + 2);
-    for part in 1..=parts + 1 {
-        assert_eq!(sim.observer().machined(1, part), 1, "part {part} is machined once");
-    }
-    assert_eq!(sim.lives(), lives, "nobody was restarted");
-}
-
 fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationId), moment: u64) {
     let mut sim = WatchedLine::new(&line(), moment);
     sim.start_auto();
@@ -128,7 +118,7 @@ fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationI
         // Over before any node could act on it, and nothing was moving that it could have stopped.
         assert!(at_once && !was_moving && sim.trouble(station).is_empty(), "{device} at {moment} ms");
         sim.fail_device(device, None);
-        return cycles_on(&mut sim, &lives);
+        return sim.goes_on(&lives);
     }
     assert_eq!(sim.mode(), Some(ControlMode::StandBy));
     let others: Vec<StationId> = sim.line().station_ids().filter(|&other| other != station).collect();
@@ -158,7 +148,7 @@ fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationI
     let again = sim.wait_for(Duration::from_secs(1), |s| s.energised(station) != 0);
     assert!(!again, "{device}: a repair moves nothing");
     sim.bring_back();
-    cycles_on(&mut sim, &lives);
+    sim.goes_on(&lives);
 }
 
 /// Every 720 ms; with `LINEWRIGHT_SOAK=3` every 240 ms.
@@ -253,7 +243,7 @@ fn the_managers_interface_leaves_the_bus() {
         assert!(!again, "and nothing moves by itself, at {moment} ms");
         // The console is on that bus too: this may have been an emergency stop.
         sim.bring_back();
-        cycles_on(&mut sim, &lives);
+        sim.goes_on(&lives);
     }
 }
 
@@ -292,7 +282,7 @@ fn frames_that_are_lost_or_come_twice() {
         }
         disturb(&mut sim, 0);
         sim.bring_back();
-        cycles_on(&mut sim, &lives);
+        sim.goes_on(&lives);
     }
     println!("{faults} times it had to be brought back");
 }
@@ -340,6 +330,6 @@ fn whatever_devices_suffer_the_line_comes_back() {
         }
         sim.run_for(Duration::from_secs(6));
         sim.bring_back();
-        cycles_on(&mut sim, &lives);
+        sim.goes_on(&lives);
     }
 }

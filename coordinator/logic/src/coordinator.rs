@@ -85,6 +85,7 @@ pub struct Coordinator {
     drawn: u64,
     /// The epoch in which the emergency stop was left last: a station in it that has acknowledged this was stopped anew.
     released: u64,
+    /// The epoch in which the emergency stop was entered last; 0 if it never was. Earlier decisions are not acted on after it.
     stopped_in: u64,
     /// The journal cannot be written.
     journal_lost: bool,
@@ -176,11 +177,6 @@ impl Coordinator {
 
     pub fn mode(&self) -> ControlMode {
         self.mode
-    }
-
-    /// The epoch in which the emergency stop was entered last; 0 if it never was. Earlier decisions are not acted on after it.
-    pub fn stopped_in(&self) -> u64 {
-        self.stopped_in
     }
 
     pub fn epoch(&self) -> u64 {

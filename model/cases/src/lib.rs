@@ -12,6 +12,8 @@
 //!
 //! With `INSTA_UPDATE=always` the problems are written anew; read the difference.
 
+pub mod slips;
+
 use std::fmt::Write;
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! Whatever a file contains, reading it ends with a cell, whose nets can be made, or with problems that can be drawn.
 
+use linewright_cases::slips::{draw, moved, near, slipped, slips};
 use linewright_cell::net::{Detail, Supply, net};
 use linewright_cell::parse;
 use linewright_text::Problems;
-use miette::{GraphicalReportHandler, GraphicalTheme};
 use proptest::prelude::*;
 
 use linewright_testkit::cells::{ASSEMBLY, C1};
@@ -26,53 +26,18 @@ fn survives(text: &str) {
             problems
         }
     };
-    for problem in problems.iter() {
-        assert!(text.get(problem.span.clone()).is_some(), "{problem} points out of the text");
-    }
-    let mut drawn = String::new();
-    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
-        .render_report(&mut drawn, &problems)
-        .expect("every report can be drawn");
+    draw(text, &problems);
 }
 
-/// Effect of a slip of the hand, or of a merge tool, on a file.
-fn slip() -> impl Strategy<Value = String> {
-    let signs = vec![
-        "\"",
-        "[",
-        "]",
-        "[[",
-        "{",
-        "}",
-        "=",
-        "\n",
-        ",",
-        ".",
-        "-1",
-        "0",
-        "1e400",
-        "nan",
-        "\"\"",
-        "true",
-        "[]",
-        "{}",
-        "é",
-        "\u{0}",
-        "[[part]]\n",
-        "[[sync]]\n",
-        "or = \"turn\"\n",
-        "then = \"grind\"\n",
-        "\"M1.load\", ",
-        "capacity = 3\n",
-        "reserve = false\n",
-    ];
-    prop_oneof![any::<char>().prop_map(String::from), "[a-z_]{1,6}", prop::sample::select(signs).prop_map(String::from)]
-}
-
-/// Cuts `text` at a whole character near `at` (a fraction).
-fn cut(text: &str, at: f64) -> usize {
-    (0..=(text.len() as f64 * at) as usize).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0)
-}
+const WORDS: &[&str] = &[
+    "[[part]]\n",
+    "[[sync]]\n",
+    "or = \"turn\"\n",
+    "then = \"grind\"\n",
+    "\"M1.load\", ",
+    "capacity = 3\n",
+    "reserve = false\n",
+];
 
 fn base() -> impl Strategy<Value = &'static str> {
     prop::sample::select(vec![C1, ASSEMBLY])
@@ -88,28 +53,17 @@ proptest! {
 
     #[test]
     fn a_truncated_file(base in base(), end in 0.0..1.0) {
-        survives(&base[..cut(base, end)]);
+        survives(&base[..near(base, end)]);
     }
 
     #[test]
-    fn a_file_with_slips(base in base(), slips in prop::collection::vec((0.0..1.0, 0usize..12, slip()), 1..4)) {
-        let mut text = base.to_owned();
-        for (at, removed, inserted) in slips {
-            let start = cut(&text, at);
-            let end = ((start + removed).min(text.len())..=text.len()).find(|&at| text.is_char_boundary(at));
-            text.replace_range(start..end.unwrap_or(text.len()), &inserted);
-        }
-        survives(&text);
+    fn a_file_with_slips(base in base(), slips in slips(WORDS)) {
+        survives(&slipped(base, slips));
     }
 
     #[test]
-    fn a_file_with_a_line_moved_or_lost(base in base(), from in 0.0..1.0, to in 0.0..1.0, lost in any::<bool>()) {
-        let mut lines: Vec<&str> = base.lines().collect();
-        let line = lines.remove((lines.len() as f64 * from) as usize);
-        if !lost {
-            lines.insert((lines.len() as f64 * to) as usize, line);
-        }
-        survives(&lines.join("\n"));
+    fn a_file_with_a_line_moved_or_lost(base in base(), from in 0.0..1.0, to in prop::option::of(0.0..1.0)) {
+        survives(&moved(base, from, to));
     }
 
     #[test]

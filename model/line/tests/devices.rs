@@ -1,43 +1,19 @@
 //! Rules about process data that wait for SYNC, and about devices without CANopen: each broken once.
 
+use std::sync::LazyLock;
 use std::time::Duration;
 
 use linewright_line::{
     Device, FrameBinding, FrameId, InputId, Owner, ReceivedFrameBinding, StationId, TransferLine, Transmission, When,
     duration_text, parse,
 };
+use linewright_testkit::presses::PRESSING;
 
-pub const LINE: &str = r#"
-name = "pressing"
-buttons = ["PB_1", "PB_2"]
+pub static LINE: LazyLock<String> = LazyLock::new(|| PRESSING.to_owned() + DEVICES);
 
+const DEVICES: &str = r#"
 [timing]
 sync_ms = 10
-
-[[station]]
-name = "press"
-home = "return"
-axes = { ram = 0.0 }
-
-[[station.operation]]
-name = "advance"
-module = "R"
-moves = { axis = "ram", from = 0, to = 80 }
-duration_s = 0.2
-watchdog_s = 1.0
-normal = { actuator = "forward", complete = "front" }
-recovery = { actuator = "back", complete = "rear" }
-hand = { type = 6, forward = "PB_1", back = "PB_2", next = "PB_2" }
-
-[[station.operation]]
-name = "return"
-module = "R"
-moves = { axis = "ram", from = 80, to = 0 }
-duration_s = 0.2
-watchdog_s = 1.0
-normal = { actuator = "back", complete = "rear" }
-recovery = { actuator = "forward", complete = "front" }
-hand = { type = 6, forward = "PB_2", back = "PB_1", next = "PB_1" }
 
 [[device]]
 name = "io"
@@ -87,7 +63,7 @@ fn raises(old: &str, new: &str, message: &str, place: &str) {
 
 #[test]
 fn what_is_said_of_them_is_there() {
-    let devices = devices(LINE);
+    let devices = devices(&LINE);
     assert_eq!(
         devices[0].canopen().expect("CANopen").setup.transmission,
         Transmission { inputs: Some(2), outputs: Some(1) }
@@ -149,7 +125,7 @@ fn outputs_of_a_device_without_canopen_need_a_time_out_or_are_reported() {
     };
     let silent = LINE.replace("lets_go_after_ms = 30, ", "");
     assert_eq!(warnings(&silent), ["`back` has no time-out: it may stay on without a manager"]);
-    assert_eq!(warnings(LINE), [""; 0]);
+    assert_eq!(warnings(&LINE), [""; 0]);
     raises(
         "lets_go_after_ms = 30",
         "lets_go_after_ms = 10",

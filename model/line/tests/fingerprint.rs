@@ -23,7 +23,7 @@ fn comments_titles_and_written_out_defaults_change_nothing() {
     assert_eq!(with("title = \"Transfer line\"", "title = \"Another title\""), usual);
     assert_eq!(with("why = \"", "why = \"still: "), usual);
     // The place of a name in the text is in the model too.
-    assert_eq!(fingerprint(&format!("# A remark.\n{LINE}")), fingerprint(LINE));
+    assert_eq!(fingerprint(&format!("# A remark.\n{}", *LINE)), fingerprint(&LINE));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Whatever a file contains, parsing it ends with a line or with problems that can be drawn.
 
+use linewright_cases::slips::{draw, moved, near, slipped, slips};
 use linewright_line::{Problems, TransferLine, parse};
-use miette::{GraphicalReportHandler, GraphicalTheme};
 use proptest::prelude::*;
 
 const SHIPPED: &str = include_str!("../../../launch-config/lines/transfer-line/line.toml");
@@ -20,60 +20,11 @@ fn survives(text: &str) {
             problems
         }
     };
-    for problem in problems.iter() {
-        assert!(text.get(problem.span.clone()).is_some(), "{problem} points out of the text");
-        assert!(problem.line >= 1 && problem.column >= 1);
-    }
-    let mut drawn = String::new();
-    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
-        .render_report(&mut drawn, &problems)
-        .expect("every report can be drawn");
+    draw(text, &problems);
 }
 
-/// Effect of a slip of the hand, or of a merge tool, on a file.
-fn slip() -> impl Strategy<Value = String> {
-    prop_oneof![
-        any::<char>().prop_map(String::from),
-        "[a-z_]{1,6}",
-        prop::sample::select(vec![
-            "\"",
-            "[",
-            "]",
-            "[[",
-            "{",
-            "}",
-            "=",
-            "\n",
-            "\r\n",
-            ",",
-            ".",
-            "-1",
-            "1e400",
-            "nan",
-            "inf",
-            "0x7f",
-            "\"\"",
-            "''",
-            "true",
-            "[]",
-            "{}",
-            "\u{feff}",
-            "é",
-            "\u{0}",
-            "[[station]]\n",
-            "[[station.operation]]\n",
-            "with = \"decel\"\n",
-            "[[station.task]]\n",
-            "task = \"clamp\"\n",
-        ])
-        .prop_map(String::from),
-    ]
-}
-
-/// Cuts `text` at a whole character near `at` (a fraction).
-fn cut(text: &str, at: f64) -> usize {
-    (0..=(text.len() as f64 * at) as usize).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0)
-}
+const WORDS: &[&str] =
+    &["[[station]]\n", "[[station.operation]]\n", "with = \"decel\"\n", "[[station.task]]\n", "task = \"clamp\"\n"];
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
@@ -90,26 +41,17 @@ proptest! {
 
     #[test]
     fn a_truncated_file(end in 0.0..1.0) {
-        survives(&SHIPPED[..cut(SHIPPED, end)]);
+        survives(&SHIPPED[..near(SHIPPED, end)]);
     }
 
     #[test]
-    fn a_file_with_slips(slips in prop::collection::vec((0.0..1.0, 0usize..12, slip()), 1..4), of in 0usize..3) {
-        let mut text = [CELL, TASK_DRIVEN, SHIPPED][of].to_owned();
-        for (at, removed, inserted) in slips {
-            let start = cut(&text, at);
-            let end = ((start + removed).min(text.len())..=text.len()).find(|&at| text.is_char_boundary(at)).unwrap_or(text.len());
-            text.replace_range(start..end, &inserted);
-        }
-        survives(&text);
+    fn a_file_with_slips(slips in slips(WORDS), of in 0usize..3) {
+        survives(&slipped([CELL, TASK_DRIVEN, SHIPPED][of], slips));
     }
 
     #[test]
     fn a_file_with_a_line_moved(from in 0.0..1.0, to in 0.0..1.0) {
-        let mut lines: Vec<&str> = SHIPPED.lines().collect();
-        let line = lines.remove((lines.len() as f64 * from) as usize);
-        lines.insert((lines.len() as f64 * to) as usize, line);
-        survives(&lines.join("\n"));
+        survives(&moved(SHIPPED, from, Some(to)));
     }
 
     #[test]

@@ -4,42 +4,17 @@
 //! fire (seed 002 §3.1, firing rule 3). A logic controller fires an enabled transition once its condition holds (§3.2,
 //! Definition 6); before that it is enabled here. Every move is all or nothing: a marking is changed only if the whole
 //! move is possible.
-//!
-//! Moves can be taken back. An explorer uses that to walk a state space without copies, a test to state that no move
-//! loses information.
-
-use std::fmt;
 
 use thiserror::Error;
 
 use crate::{Marking, NamedId, Net, PlaceId, TransitionId};
 
-/// Direction in which a transition is played.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum PlayDirection {
-    /// Take from the preset, give to the postset.
-    Fire,
-    /// Take from the postset, give to the preset.
-    FireBack,
-}
-
-impl fmt::Display for PlayDirection {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            PlayDirection::Fire => "fire",
-            PlayDirection::FireBack => "fire back",
-        })
-    }
-}
-
 /// Reason why a move was refused. The marking is as it was.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum FireError {
     /// A place has too few tokens: the transition is not enabled.
-    #[error("{transition} cannot {attempt}: {place} has {has} of the {needs} tokens needed")]
+    #[error("{transition} cannot fire: {place} has {has} of the {needs} tokens needed")]
     Lacking {
-        /// Direction attempted.
-        attempt: PlayDirection,
         transition: NamedId<TransitionId>,
         /// The first place that lacks tokens.
         place: NamedId<PlaceId>,
@@ -49,10 +24,8 @@ pub enum FireError {
         needs: u32,
     },
     /// A place would hold more tokens than can be counted.
-    #[error("{transition} cannot {attempt}: {place} has {has} tokens, and {gets} more cannot be counted")]
+    #[error("{transition} cannot fire: {place} has {has} tokens, and {gets} more cannot be counted")]
     Overflow {
-        /// Direction attempted.
-        attempt: PlayDirection,
         transition: NamedId<TransitionId>,
         /// The first place that would overflow.
         place: NamedId<PlaceId>,
@@ -94,25 +67,13 @@ impl Net {
 
     /// M₁[t⟩M₂: takes the tokens of the preset and gives those of the postset (seed 002 §3.1, firing rule 2).
     pub fn fire(&self, marking: &mut Marking, transition: TransitionId) -> Result<(), FireError> {
-        self.play(marking, transition, PlayDirection::Fire)
-    }
-
-    /// The inverse of [`Net::fire`]: from M₂ back to the M₁ with M₁[t⟩M₂.
-    pub fn fire_back(&self, marking: &mut Marking, transition: TransitionId) -> Result<(), FireError> {
-        self.play(marking, transition, PlayDirection::FireBack)
-    }
-
-    fn play(&self, marking: &mut Marking, transition: TransitionId, attempt: PlayDirection) -> Result<(), FireError> {
         self.expect_own(marking);
-        let (takes, gives) = match attempt {
-            PlayDirection::Fire => (self.preset(transition), self.postset(transition)),
-            PlayDirection::FireBack => (self.postset(transition), self.preset(transition)),
-        };
+        let (takes, gives) = (self.preset(transition), self.postset(transition));
         for &(place, needs) in takes {
             let has = marking.tokens(place);
             if has < needs {
                 let (transition, place) = (self.transition(transition), self.place(place));
-                return Err(FireError::Lacking { attempt, transition, place, has, needs });
+                return Err(FireError::Lacking { transition, place, has, needs });
             }
         }
         for &(place, gets) in gives {
@@ -121,7 +82,7 @@ impl Net {
             let taken = takes.binary_search_by_key(&place, |&(place, _)| place).map_or(0, |at| takes[at].1);
             if (has - taken).checked_add(gets).is_none() {
                 let (transition, place) = (self.transition(transition), self.place(place));
-                return Err(FireError::Overflow { attempt, transition, place, has, gets });
+                return Err(FireError::Overflow { transition, place, has, gets });
             }
         }
         for &(place, weight) in takes {
@@ -164,8 +125,6 @@ mod tests {
         net.fire(&mut m, screw).unwrap();
         assert!(!net.is_enabled(&m, screw));
         assert_eq!(net.enabled(&m).count(), 0);
-        net.fire_back(&mut m, screw).unwrap();
-        assert_eq!(m, Marking::from_tokens([5, 1, 1]));
     }
 
     #[test]
@@ -174,8 +133,6 @@ mod tests {
         let mut m = net.initial_marking();
         let error = net.fire(&mut m, screw).unwrap_err();
         assert_eq!(error.to_string(), "transition `screw` cannot fire: place `bolts` has 3 of the 4 tokens needed");
-        let error = net.fire_back(&mut m, screw).unwrap_err();
-        assert_eq!(error.to_string(), "transition `screw` cannot fire back: place `part` has 0 of the 1 tokens needed");
         assert_eq!((error.transition(), m), (screw, net.initial_marking()));
     }
 

@@ -71,7 +71,7 @@ pub mod tnces;
 
 pub use builder::{ArcDirection, ArcName, MAX_NODES, NetBuilder, NetError};
 pub use dot::dot;
-pub use game::{FireError, PlayDirection};
+pub use game::FireError;
 pub use id::{NamedId, NetNode, PlaceId, TransitionId};
 pub use marking::Marking;
 pub use net::Net;

@@ -7,8 +7,6 @@ mod common;
 mod coverability;
 mod explicit;
 mod explicit_ring;
-#[path = "semiflows/ring.rs"]
-mod ring;
 mod semiflows;
 mod siphons;
 mod tnces_errors;

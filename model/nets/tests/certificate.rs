@@ -4,7 +4,7 @@ mod samples;
 
 use std::collections::BTreeMap;
 
-use crate::ring::ring;
+use crate::explicit_ring::ring;
 use linewright_nets::certificate::{
     Certificate, CertificateAnswer, CertificateRule, Evidence, NetProperty, StructuralVerdict, TokenBound, Unknown,
     check, decide_by_structure,
@@ -281,7 +281,7 @@ fn tampered_certificates_prove_nothing_false() {
 
 #[test]
 fn a_certificate_with_a_detail_missing_is_refused() {
-    let net = ring(4, true);
+    let net = ring(4, false);
     let verdict = decide_by_structure(&net);
     let rejected = |certificate: &Certificate| check(&net, certificate).unwrap_err().rule;
 
@@ -307,13 +307,13 @@ fn a_certificate_with_a_detail_missing_is_refused() {
     assert!(matches!(rejected(&safe), CertificateRule::Monotone | CertificateRule::Bound));
 
     // The certificate of the ring with parts proves nothing about the ring without.
-    let dead = ring(4, false);
+    let dead = ring(4, true);
     assert_eq!(check(&dead, verdict.live.certificate().unwrap()).unwrap_err().rule, CertificateRule::Rising);
 }
 
 #[test]
 fn a_ring_of_a_hundred_stations_is_decided() {
-    let net = ring(100, true);
+    let net = ring(100, false);
     let verdict = decide_by_structure(&net);
     assert!(NetProperty::ALL.into_iter().all(|property| verdict.answer(property).holds() == Some(true)), "{verdict}");
     assert!(verdict.bounds.iter().all(|&bound| bound == TokenBound::Exactly(1)));
@@ -321,7 +321,7 @@ fn a_ring_of_a_hundred_stations_is_decided() {
         assert_eq!(check(&net, certificate), Ok(()));
         assert_eq!(Certificate::parse(&certificate.to_string()).as_ref(), Ok(certificate));
     }
-    let net = ring(100, false);
+    let net = ring(100, true);
     let verdict = decide_by_structure(&net);
     assert_eq!((verdict.live.holds(), verdict.deadlock_free.holds()), (Some(false), Some(false)));
     verdict.certificates().for_each(|certificate| assert_eq!(check(&net, certificate), Ok(())));
@@ -329,10 +329,10 @@ fn a_ring_of_a_hundred_stations_is_decided() {
 
 #[test]
 fn a_small_ring_is_what_exploration_finds() {
-    for parts in [true, false] {
-        let (verdict, truth) = confirmed(&ring(2, parts));
+    for empty in [false, true] {
+        let (verdict, truth) = confirmed(&ring(2, empty));
         assert_eq!(truth.len(), NetProperty::ALL.len());
-        assert_eq!(verdict.live.holds(), Some(parts));
+        assert_eq!(verdict.live.holds(), Some(!empty));
         assert_eq!(verdict.to_string().lines().count(), 6);
     }
 }

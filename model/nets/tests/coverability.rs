@@ -105,7 +105,7 @@ fn replays(net: &Net, pump: &GrowthWitness) -> bool {
 fn agrees_with_exploration(net: &Net, found: &Coverability) {
     let explored = explore(net, 5_000).unwrap();
     assert_eq!(found.is_bounded(), Ok(()));
-    assert_eq!(found.label_count(), explored.states().len());
+    assert_eq!(found.labels().count(), explored.states().len());
     for p in net.places() {
         assert_eq!(found.bound_of(p), Some(explored.bound_of(p)));
     }

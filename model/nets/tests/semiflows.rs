@@ -1,6 +1,7 @@
 //! Semiflows against the vectors that a slow search finds, and on nets whose semiflows are known.
 
-use crate::ring::ring;
+use crate::common::light_net;
+use crate::explicit_ring::ring;
 use linewright_nets::semiflows::{
     Semiflow, SemiflowLimit, SemiflowLimits, place_flow_basis, place_semiflows, rank, transition_flow_basis,
     transition_semiflows,
@@ -71,22 +72,11 @@ fn dense<I: Copy>(flows: &[Semiflow<I>], length: usize, index: impl Fn(I) -> usi
     flows.iter().map(dense).collect()
 }
 
-/// Nets in which few semiflows have large weights: up to five places and transitions, arcs of weight 1 and some of 2.
-fn light_net() -> impl Strategy<Value = Net> {
-    let side = |n| {
-        prop::collection::btree_map(0..n, prop_oneof![4 => Just(1_u32), 1 => Just(2)], 0..=2)
-            .prop_map(|arcs| arcs.into_iter().collect::<Vec<_>>())
-    };
-    (1_usize..=5)
-        .prop_flat_map(move |n| (prop::collection::vec(0_u32..=2, n), prop::collection::vec((side(n), side(n)), 0..=5)))
-        .prop_map(|(tokens, transitions)| crate::common::net(&tokens, &transitions))
-}
-
 proptest! {
     #![proptest_config(cases(1500))]
 
     #[test]
-    fn they_are_the_minimal_vectors_of_a_slow_search(net in prop_oneof![2 => light_net(), 1 => crate::common::any_net()]) {
+    fn they_are_the_minimal_vectors_of_a_slow_search(net in prop_oneof![2 => light_net(5), 1 => crate::common::any_net()]) {
         let limits = SemiflowLimits::default();
         let places = place_semiflows(&net, &limits).unwrap();
         compare(&dense(places.all(), net.place_count(), PlaceId::index), &incidence(&net), 4);
@@ -97,7 +87,7 @@ proptest! {
     }
 
     #[test]
-    fn a_basis_spans_every_small_integer_solution(net in light_net()) {
+    fn a_basis_spans_every_small_integer_solution(net in light_net(5)) {
         let matrix = incidence(&net);
         let basis = place_flow_basis(&net).unwrap();
         prop_assert_eq!(basis.len() + rank(&net).unwrap(), net.place_count());
@@ -136,13 +126,6 @@ proptest! {
                 prop_assert!(!together || flows.excludes(p, q, &initial).is_none());
             }
         }
-        for exclusion in flows.exclusions(&initial) {
-            for marking in explored.states() {
-                let marked = exclusion.places.iter().filter(|&&place| marking.tokens(place) > 0).count();
-                prop_assert!(marked <= 1);
-                prop_assert_eq!(exclusion.by.sum(marking), exclusion.sum);
-            }
-        }
     }
 }
 
@@ -179,7 +162,7 @@ fn is_whole_combination(echelon: &[Vec<i64>], mut vector: Vec<i64>) -> bool {
 
 #[test]
 fn a_ring_of_a_hundred_stations_has_its_elementary_circuits() {
-    let net = ring(100, true);
+    let net = ring(100, false);
     assert_eq!((net.place_count(), net.transition_count()), (1400, 1200));
     let flows = place_semiflows(&net, &SemiflowLimits::default()).unwrap();
     // Per station its own cycle; per buffer full against empty; and once round the line with the parts and against.

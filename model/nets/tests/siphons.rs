@@ -1,9 +1,9 @@
 //! Siphons and traps against all sets of places, and Commoner's theorem against exploration.
 
-use crate::ring::ring;
+use crate::explicit_ring::ring;
 use linewright_nets::siphons::{
-    SiphonLimit, SiphonLimits, commoner, is_siphon, is_trap, largest_empty_siphon, largest_siphon_in, largest_trap_in,
-    minimal_siphons, minimal_traps,
+    SiphonLimit, SiphonLimits, commoner, largest_empty_siphon, largest_siphon_in, largest_trap_in, minimal_siphons,
+    minimal_traps,
 };
 use linewright_nets::{Net, NetBuilder, PlaceId, explore};
 use proptest::prelude::*;
@@ -117,8 +117,6 @@ proptest! {
         let within = any & all;
         prop_assert_eq!(bits(&largest_siphon_in(&net, &places(within))), union(&siphons, within));
         prop_assert_eq!(bits(&largest_trap_in(&net, &places(within))), union(&traps, within));
-        prop_assert_eq!(is_siphon(&net, &places(within)), within == 0 || siphons.contains(&within));
-        prop_assert_eq!(is_trap(&net, &places(within)), within == 0 || traps.contains(&within));
 
         let initial = net.initial_marking();
         let marked: u32 = initial.marked().map(|place| 1 << place.0).sum();
@@ -158,13 +156,13 @@ proptest! {
 
 #[test]
 fn the_siphons_of_a_long_ring_are_its_circuits() {
-    let net = ring(100, true);
+    let net = ring(100, false);
     let siphons = minimal_siphons(&net, &SiphonLimits::default()).unwrap();
     assert_eq!(siphons.len(), 202);
     assert_eq!(minimal_traps(&net, &SiphonLimits::default()).unwrap(), siphons);
     assert_eq!(commoner(&net, &SiphonLimits::default()).unwrap(), Ok(()));
     // Without parts, the way round the line on which they would go is empty.
-    let uncontrolled = commoner(&ring(10, false), &SiphonLimits::default()).unwrap().unwrap_err();
+    let uncontrolled = commoner(&ring(10, true), &SiphonLimits::default()).unwrap().unwrap_err();
     assert!(uncontrolled.siphon.len() >= 10);
 }
 

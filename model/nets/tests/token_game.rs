@@ -1,4 +1,4 @@
-//! The token game on any net: changes by a move, their reversal, and what no move changes.
+//! The token game on any net: changes by a move, and what no move changes.
 
 use linewright_nets::{Marking, Net, explore};
 use proptest::prelude::*;
@@ -30,27 +30,6 @@ proptest! {
     }
 
     #[test]
-    fn firing_back_undoes_firing(net in crate::common::any_net(), choices in choices()) {
-        play(&net, &choices, |before, t, after| {
-            let mut undone = after.clone();
-            net.fire_back(&mut undone, t).expect("what was fired can be fired back");
-            assert_eq!(&undone, before);
-        });
-    }
-
-    #[test]
-    fn firing_undoes_firing_back(net in crate::common::any_net()) {
-        let start = net.initial_marking();
-        for t in net.transitions() {
-            let mut marking = start.clone();
-            if net.fire_back(&mut marking, t).is_ok() {
-                net.fire(&mut marking, t).expect("what was fired back can be fired");
-            }
-            prop_assert_eq!(&marking, &start);
-        }
-    }
-
-    #[test]
     fn a_refused_move_changes_nothing_and_tells_the_truth(net in crate::common::any_net()) {
         let start = net.initial_marking();
         for t in net.transitions() {
@@ -76,16 +55,6 @@ proptest! {
         for marking in explore(&net, 100_000).unwrap().states() {
             prop_assert_eq!(sum(marking), initial);
         }
-    }
-
-    #[test]
-    fn a_cycle_of_markings_is_a_transition_invariant((net, _) in crate::common::weighed_net(), choices in choices()) {
-        let mut firings = vec![0; net.transition_count()];
-        play(&net, &choices, |_, t, after| {
-            firings[t.index()] += 1;
-            let back = *after == net.initial_marking();
-            assert_eq!(net.incidence().transition_invariant(&firings).is_ok(), back);
-        });
     }
 }
 

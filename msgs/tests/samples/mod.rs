@@ -1,8 +1,5 @@
-//! One filled-in message of each type, for the golden bytes and the hostile input.
-
-#![allow(dead_code)] // Each test uses some of them.
-
-//! One message of each kind with every field set, so that a swapped or dropped field shows.
+//! One message of each kind with every field set, so that a swapped or dropped field shows: for the golden bytes and the
+//! hostile input.
 
 use linewright_msgs::{
     ActivityState, AlarmState, Answer, Bounded, CellState, CoReadRequest, CoReadResponse, CoWriteIdRequest, CycleTime,

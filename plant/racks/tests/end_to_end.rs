@@ -3,13 +3,12 @@
 use std::future::pending;
 use std::time::Duration;
 
-use linewright_canopen::sdo::{self, ObjectId};
-use linewright_canopen::{BusEvent, Manager, NodeId};
+use linewright_canopen::{BusEvent, Manager};
 use linewright_fieldbus::bus::{self, Transport};
-use linewright_fieldbus::{Bus, Clock, Driver, sdo_client};
+use linewright_fieldbus::{Bus, Clock, Driver};
 use linewright_fieldbus_seam::InputImage;
 use linewright_line::{DeviceBus as BusName, Line, Owner};
-use linewright_plant::{FAULT_INDEX, PlantOptions};
+use linewright_plant::PlantOptions;
 use linewright_racks::{RackOptions, run_plant};
 use linewright_testkit::presses::*;
 
@@ -79,37 +78,4 @@ async fn a_manager_drives_a_motion_and_sees_the_limit_switch() {
         driver.release_outputs();
     }
     bench.plant.abort();
-}
-
-#[tokio::test]
-async fn a_lost_device_is_noticed_and_comes_back_with_its_outputs_off() {
-    let bench = RackBench::new();
-    let owner = Owner::Station(PRESS);
-    let mut driver = bench.driver(BusName::Line, LINE_BUS);
-    until(&mut driver, owner, valid(BACK)).await;
-    driver.set_outputs(owner, FORWARD);
-    until(&mut driver, owner, valid(0)).await;
-    let mut tool = Bus::open(LINE_BUS, &bench.bus).unwrap();
-    let node = NodeId::new(4).unwrap();
-    let fault = ObjectId::new(FAULT_INDEX, 0);
-    let options = sdo::TransferOptions::default();
-    sdo_client::write(&mut tool, node, fault, &[1], options).await.unwrap();
-    let events = until(&mut driver, owner, |inputs| !inputs.valid).await;
-    assert!(events.iter().any(|e| matches!(e, BusEvent::DeviceLost { .. })), "{events:?}");
-    tokio::time::timeout(Duration::from_millis(300), until(&mut driver, owner, |_| false)).await.ok();
-    sdo_client::write(&mut tool, node, fault, &[0], options).await.unwrap();
-    until(&mut driver, owner, |inputs| inputs.valid).await;
-    let outputs = tool_read(&mut tool, &mut driver, node).await;
-    assert_eq!(outputs, [0], "the image from before the loss is forgotten");
-    assert_eq!(driver.inputs(owner).losses, 1);
-    bench.plant.abort();
-}
-
-/// Reads the outputs of a device while the manager goes on.
-async fn tool_read(tool: &mut Bus, driver: &mut Driver, node: NodeId) -> Vec<u8> {
-    let outputs = ObjectId::new(0x6200, 1);
-    tokio::select! {
-        read = sdo_client::read(tool, node, outputs, sdo::TransferOptions::default()) => read.unwrap(),
-        () = async { loop { driver.next().await.expect("nobody else is there"); } } => unreachable!(),
-    }
 }

@@ -1,7 +1,5 @@
 //! A drive and its manager's side on a bus that loses, repeats and delays process data, in virtual time.
 
-#![allow(dead_code)] // Each test binary uses its share.
-
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -9,10 +7,9 @@ use linewright_canopen::codec::CanopenMessage;
 use linewright_canopen::profile::drive::{DriveBinding, ManagedDrive};
 use linewright_canopen::sdo::SdoWrite;
 use linewright_canopen::{Frame, NodeId};
-use linewright_line::{
-    AtRest, AxisId, Drive as Described, DriveMode, DriveTarget, Homing, InputId, OutputId, Tick, Timing,
-};
+use linewright_line::{AtRest, Drive as Described, DriveTarget, Homing, InputId, OutputId, Tick, Timing};
 use linewright_plant::{CanDevice, DeviceOutbox, DriveNode, MotionFault};
+use linewright_testkit::manager_frames::drive;
 
 /// Time for which a frame is under way.
 const LATENCY: Duration = Duration::from_micros(700);
@@ -25,14 +22,8 @@ pub const LOST_MAX: u32 = 3;
 /// input 3; homing at output 4 and input 4.
 pub fn described(at_rest: AtRest, homing: bool) -> Described {
     let target = |output, to, at, velocity| DriveTarget { output: OutputId(output), to, at: InputId(at), velocity };
+    let usual = drive();
     Described {
-        axis: AxisId(0),
-        mode: DriveMode::Position,
-        units_per_mm: 1000.0,
-        window: 0.05,
-        velocity: 300.0,
-        acceleration: 2000.0,
-        quick_stop: 4000.0,
         at_rest,
         targets: vec![
             target(0, 0.0, 0, 300.0),
@@ -40,17 +31,8 @@ pub fn described(at_rest: AtRest, homing: bool) -> Described {
             target(2, 80.0, 1, 60.0),
             target(3, 100.0, 2, 300.0),
         ],
-        index: None,
-        fault: Some(InputId(3)),
-        homing: homing.then_some(Homing {
-            method: 17,
-            fast: 40.0,
-            slow: 10.0,
-            acceleration: 2000.0,
-            offset: 0.0,
-            output: OutputId(4),
-            done: Some(InputId(4)),
-        }),
+        homing: usual.homing.filter(|_| homing).map(|usual| Homing { output: OutputId(4), ..usual }),
+        ..usual
     }
 }
 

@@ -102,7 +102,9 @@ impl PartsAtStart {
     /// Fires a transition; the part that it moves.
     fn play(&mut self, nets: &Nets<'_>, t: TransitionId) -> Option<usize> {
         let long = nets.long.net();
-        let place = |arcs: &[(PlaceId, u32)]| arcs.iter().map(|&(place, _)| place).find(|&place| nets.is_seen(place));
+        let place = |arcs: &[(PlaceId, u32)]| {
+            arcs.iter().map(|&(place, _)| place).find(|&place| nets.meaning(place).holds_parts_inside())
+        };
         let of = moved(nets, t);
         let part = match place(long.preset(t)) {
             Some(from) => self.at.get_mut(&from)?.pop_front()?,
@@ -157,20 +159,6 @@ impl PartsAtStart {
 }
 
 impl Nets<'_> {
-    /// Whether a place holds parts that have come in.
-    fn is_seen(&self, place: PlaceId) -> bool {
-        match self.meaning(place) {
-            PlaceMeaning::Held(..) | PlaceMeaning::Busy { .. } => true,
-            PlaceMeaning::Room(_)
-            | PlaceMeaning::Free(_)
-            | PlaceMeaning::Position(..)
-            | PlaceMeaning::Top(_)
-            | PlaceMeaning::Waiting
-            | PlaceMeaning::Admission
-            | PlaceMeaning::Idle(_) => false,
-        }
-    }
-
     /// The resource that has the parts of a place.
     fn holder(&self, meaning: PlaceMeaning) -> Option<ResourceId> {
         match meaning {

@@ -6,7 +6,6 @@ mod protocol;
 mod random;
 mod recovery;
 mod shipped;
-mod table;
 
 use std::path::Path;
 

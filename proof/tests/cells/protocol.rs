@@ -142,12 +142,6 @@ fn an_order_that_has_ended_while_its_station_moves_is_answered_and_started_again
     );
 }
 
-#[test]
-fn a_station_that_ends_its_order_before_it_stands_says_what_is_not_so() {
-    let found = without(PROCESS, 0, |setting| setting.order_rules.ends_standing = false);
-    assert_eq!(found.rule, ENDED);
-}
-
 /// An order ended by a fault or a person is gone back from, while its result reports the end all the time.
 #[test]
 fn a_slot_that_does_not_count_is_answered_while_the_station_goes_back() {
@@ -162,54 +156,29 @@ fn somebody_who_is_asked_before_the_stations_stand_is_answered_too_soon() {
     assert!([ANSWERED, RESTORED].contains(&found.rule), "{found:?}");
 }
 
-/// An order that has ended by itself is secured with each message about it: the message to stop makes the station move.
+/// Each without one rule, and the property that is then found broken.
 #[test]
-fn a_station_that_goes_back_with_every_message_moves_after_an_alarm() {
-    let found = without(LOAD, 1, |setting| setting.order_rules.secures_once = false);
-    assert_eq!(found.rule, STOPPED);
-}
-
-#[test]
-fn a_station_that_does_what_it_has_done_does_it_twice() {
-    let found = without(LOAD, 0, |setting| {
-        (setting.order_rules.does_once, setting.asked) = (false, Some(TWICE));
-    });
-    assert_eq!(found.rule, TWICE);
-}
-
-#[test]
-fn an_order_for_another_memory_is_done_twice() {
-    let found = without(LOAD, 1, |setting| setting.order_rules.own_memory = false);
-    assert_eq!(found.rule, TWICE);
-}
-
-#[test]
-fn told_to_go_back_after_an_alarm_a_station_moves_on() {
-    let found = without(LOAD, 1, |setting| setting.rules.stops = false);
-    assert_eq!(found.rule, STOPPED);
-}
-
-#[test]
-fn a_station_that_goes_back_when_it_is_told_to_stop_moves_on() {
-    let found = without(LOAD, 1, |setting| setting.order_rules.stops_at_once = false);
-    assert_eq!(found.rule, STOPPED);
-}
-
-/// The robot has come to the clamp, which may have closed.
-#[test]
-fn a_station_that_is_ordered_back_whatever_the_other_does_leaves_it_alone() {
-    let found = without(LOAD, 0, |setting| setting.rules.goes_back_alone = false);
-    assert_eq!(found.rule, BACK);
-    let by_itself = without(LOAD, 0, |setting| {
-        (setting.order_rules.ends_standing, setting.asked) = (false, Some(BACK));
-    });
-    assert_eq!(by_itself.rule, BACK);
-}
-
-#[test]
-fn somebody_is_asked_after_an_alarm_before_the_stations_stand() {
-    let found = without(LOAD, 1, |setting| {
-        (setting.rules.stands_first, setting.asked) = (false, Some(STOPPED));
-    });
-    assert_eq!(found.rule, STOPPED);
+fn without_a_rule_its_property_is_broken() {
+    type Change = fn(&mut ProtocolSetting<'_>);
+    let broken: [(&str, u8, Change, &str); 9] = [
+        // It says that it has ended before it stands.
+        (PROCESS, 0, |of| of.order_rules.ends_standing = false, ENDED),
+        // An order that has ended by itself is secured with each message about it: the message to stop makes the station move.
+        (LOAD, 1, |of| of.order_rules.secures_once = false, STOPPED),
+        (LOAD, 0, |of| (of.order_rules.does_once, of.asked) = (false, Some(TWICE)), TWICE),
+        // An order for another memory is done as well.
+        (LOAD, 1, |of| of.order_rules.own_memory = false, TWICE),
+        // After an alarm it is ordered back.
+        (LOAD, 1, |of| of.rules.stops = false, STOPPED),
+        // Ordered to stop, it goes back.
+        (LOAD, 1, |of| of.order_rules.stops_at_once = false, STOPPED),
+        // Somebody is asked after an alarm before the stations stand.
+        (LOAD, 1, |of| (of.rules.stands_first, of.asked) = (false, Some(STOPPED)), STOPPED),
+        // The robot goes back from the clamp, which may have closed: by order, and by itself.
+        (LOAD, 0, |of| of.rules.goes_back_alone = false, BACK),
+        (LOAD, 0, |of| (of.order_rules.ends_standing, of.asked) = (false, Some(BACK)), BACK),
+    ];
+    for (at, (only, disturbances, change, rule)) in broken.into_iter().enumerate() {
+        assert_eq!(without(only, disturbances, change).rule, rule, "the {at}th");
+    }
 }

@@ -1,5 +1,4 @@
 //! Functions shared by the tests.
-#![allow(dead_code)]
 
 use linewright_line::{AxisId, Line, OpId, StationId, TransferLine, parse};
 use linewright_simulation::{LineSim, RunEnd, RunGoal, Scenario, Script, SimOptions, run};

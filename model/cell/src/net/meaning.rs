@@ -47,6 +47,20 @@ pub enum ResourcePosition {
 }
 
 impl PlaceMeaning {
+    /// Whether its tokens are parts that have come in.
+    pub fn holds_parts_inside(self) -> bool {
+        match self {
+            PlaceMeaning::Held(..) | PlaceMeaning::Busy { .. } => true,
+            PlaceMeaning::Room(_)
+            | PlaceMeaning::Free(_)
+            | PlaceMeaning::Position(..)
+            | PlaceMeaning::Top(_)
+            | PlaceMeaning::Waiting
+            | PlaceMeaning::Admission
+            | PlaceMeaning::Idle(_) => false,
+        }
+    }
+
     /// Resource of the place; none for the outside and for activities in progress.
     pub fn resource(self) -> Option<ResourceId> {
         match self {

@@ -206,16 +206,8 @@ impl CellNet {
 
     /// Whether the tokens of a place are parts; otherwise they are capacities.
     pub fn holds_parts(&self, place: PlaceId) -> bool {
-        match self.meaning(place) {
-            PlaceMeaning::Waiting => !self.counts_waiting,
-            PlaceMeaning::Held(..) | PlaceMeaning::Busy { .. } => true,
-            PlaceMeaning::Room(_)
-            | PlaceMeaning::Free(_)
-            | PlaceMeaning::Position(..)
-            | PlaceMeaning::Top(_)
-            | PlaceMeaning::Admission
-            | PlaceMeaning::Idle(_) => false,
-        }
+        let meaning = self.meaning(place);
+        meaning.holds_parts_inside() || meaning == PlaceMeaning::Waiting && !self.counts_waiting
     }
 
     /// Meaning of the tokens of a place.

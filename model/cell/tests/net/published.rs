@@ -2,19 +2,18 @@
 //!
 //! The published net has the way of the robot in two places each (p3, p4 and p7, p8) and the work in one step (t4); ours
 //! has one place for what is in progress, and a start and an end for the work too. With t2 and t6 hidden there, and the
-//! start of the work here, the two are the same graph.
+//! start of the work here, the two are the same graph. What follows for deadlocks (A8) is in `counts`, and with its counterexample in
+//! `proof/tests/cells/shipped.rs`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_cell::net::{CellInstances, Detail, net, parts};
 use linewright_nets::StateId;
 use linewright_nets::coloured::flow::TransitionFlow;
-use linewright_nets::coloured::{
-    ColouredMarking, ColouredNet, ColouredReachability, Colours, Fusion, explore, fuse, unfold,
-};
+use linewright_nets::coloured::{ColouredNet, ColouredReachability, Colours, Fusion, explore, fuse, unfold};
 
 use super::{mode, names};
-use linewright_testkit::cells::{ASSEMBLY, cell, edited};
+use linewright_testkit::cells::{ASSEMBLY, cell};
 use linewright_testkit::published_cell::{self, PublishedCellVariant};
 
 /// Places of the tokens, in terms that both nets have.
@@ -241,36 +240,4 @@ fn the_support_of_a_part_goes_through_its_resources() {
         "human.process.end<3.new>",
     ];
     assert_eq!(third, expected);
-}
-
-/// A8, seed 000, L1432-1439: robot 2 busy with a part 1, the human has finished, robot 1 has grasped a part 1.
-fn is_deadlock_scenario(net: &ColouredNet, marking: &ColouredMarking) -> bool {
-    let here = net.describe(marking);
-    let has = |cells: &[&str]| cells.iter().any(|cell| here.split(", ").any(|token| token == *cell));
-    has(&["robot_2.loaded<1.new>", "running.robot_2.process<1.new>", "robot_2.unload-ready<1.done>"])
-        && has(&["human.unload-ready<2.done>", "human.unload-ready<3.done>"])
-        && has(&[
-            "running.load robot_2<1.new>",
-            "running.load robot_2.grasp<1.new>",
-            "running.load robot_2.held<1.new>",
-        ])
-}
-
-/// A8: it cannot be reached, and nothing gets stuck; without the reservation both happen.
-#[test]
-fn the_reservation_is_what_prevents_the_deadlock() {
-    let safe_net = ours(&[2, 2, 1]);
-    let safe = explore(&safe_net, 100_000).expect("it is small");
-    assert!(!safe.numbers().any(|state| is_deadlock_scenario(&safe_net, safe.marking(state))));
-    assert_eq!((safe.deadlocks().count(), safe.is_reversible()), (0, Ok(())));
-
-    let text = edited(ASSEMBLY, &[("reserve = true", "reserve = false")]);
-    let net = net(&cell(&text), Detail::Expanded, &[2, 2, 1]).expect("it is small").net().clone();
-    let graph = explore(&net, 100_000).expect("it is small");
-    let stuck: Vec<StateId> =
-        graph.deadlocks().filter(|&state| is_deadlock_scenario(&net, graph.marking(state))).collect();
-    assert!(!stuck.is_empty());
-    let mut marking = net.initial_marking();
-    graph.path_to(stuck[0]).iter().for_each(|&mode| net.fire(&mut marking, mode).expect("the way can be played"));
-    assert!(is_deadlock_scenario(&net, &marking) && net.enabled(&marking).is_empty());
 }

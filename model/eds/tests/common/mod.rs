@@ -1,5 +1,4 @@
 //! Shared by the tests of this crate: texts around a part that is of interest, and problems in words.
-#![allow(dead_code)]
 
 use linewright_eds::{Eds, NodeId, read};
 

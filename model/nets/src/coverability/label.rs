@@ -1,6 +1,6 @@
 //! Markings in which a place may hold ω, more than any number.
 
-use crate::{FireError, Marking, Net, PlaceId, PlayDirection, TransitionId};
+use crate::{FireError, Marking, Net, PlaceId, TransitionId};
 
 /// The count that stands for ω. Real counts stay below it.
 pub(super) const OMEGA: u32 = u32::MAX;
@@ -49,7 +49,6 @@ impl MarkingLabel {
             let count = &mut next[place.index()];
             if *count != OMEGA {
                 *count = count.checked_add(weight).filter(|&sum| sum != OMEGA).ok_or_else(|| FireError::Overflow {
-                    attempt: PlayDirection::Fire,
                     transition: net.transition(transition),
                     place: net.place(place),
                     has: self.0[place.index()],

@@ -91,12 +91,7 @@ pub struct Coverability {
 }
 
 impl Coverability {
-    /// Number of labels of the graph: for a bounded net its reachable markings.
-    pub fn label_count(&self) -> usize {
-        self.labels.len()
-    }
-
-    /// The labels: tokens per place, none for ω. In the order of discovery, the initial marking first.
+    /// The labels of the graph, for a bounded net its reachable markings: tokens per place, none for ω. In the order of discovery, the initial marking first.
     pub fn labels(&self) -> impl Iterator<Item = impl Iterator<Item = Option<u32>> + '_> + '_ {
         self.labels.iter().map(|label| label.counts())
     }

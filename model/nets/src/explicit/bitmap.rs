@@ -9,8 +9,8 @@
 //! [`super::decide`]).
 
 use super::encoding::{DigitTerm, MarkingEncoding};
-use super::rules::{Filter, FiringRule, LinearCondition, rules};
-use crate::{Marking, Net, PlayDirection};
+use super::rules::{Filter, FiringRule, LinearCondition, PlayDirection, rules};
+use crate::{Marking, Net};
 
 /// Bits of a word.
 const BITS: u32 = 64;

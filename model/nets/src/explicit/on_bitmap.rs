@@ -10,10 +10,11 @@ use super::encoding::MarkingEncoding;
 use super::facts::{Home, NetFacts, Storage, WitnessMarking};
 use super::limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided, MemoryBudget};
 use super::path::path_to;
+use super::rules::PlayDirection;
 use super::space::{BitmapSpace, Space};
 use super::sweep::{Bitmap, Closure, SweepTally, bitmap};
 use super::terminal::terminal;
-use crate::{Marking, Net, PlayDirection};
+use crate::{Marking, Net};
 
 /// Bytes that the two bitmaps take that every decision needs.
 pub(super) fn bytes(layout: &BitmapLayout) -> usize {

@@ -6,7 +6,7 @@
 //! after all digits is nearly always enabled.
 
 use super::encoding::{DigitTerm, MarkingEncoding, Radix, TABLE_MAX};
-use crate::{Net, PlaceId, PlayDirection, TransitionId};
+use crate::{Net, PlaceId, TransitionId};
 
 /// One transition, played one way.
 #[derive(Debug)]
@@ -48,6 +48,13 @@ impl LinearCondition {
         }
         Some(range)
     }
+}
+
+/// Direction in which transitions are played.
+#[derive(Clone, Copy)]
+pub(super) enum PlayDirection {
+    Fire,
+    FireBack,
 }
 
 /// The rules of all transitions that can ever fire that way, in order.

@@ -9,8 +9,8 @@
 
 use super::encoding::MarkingEncoding;
 use super::limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided, MemoryBudget};
-use super::rules::{Filter, FiringRule, rules};
-use crate::{Marking, Net, PlayDirection};
+use super::rules::{Filter, FiringRule, PlayDirection, rules};
+use crate::{Marking, Net};
 
 /// Bits that a digit without a bound starts with, above what its first value takes.
 const SPARE_BITS: u32 = 2;

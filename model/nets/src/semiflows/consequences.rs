@@ -6,16 +6,6 @@
 use super::{Semiflow, Semiflows};
 use crate::{Marking, Net, PlaceId};
 
-/// Places of which no two are ever marked at the same time, by one conserved sum.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Exclusion<'flows> {
-    /// The places, in order; at least two.
-    pub places: Vec<PlaceId>,
-    /// The semiflow whose sum does not allow two of them.
-    pub by: &'flows Semiflow<PlaceId>,
-    pub sum: u128,
-}
-
 impl Semiflow<PlaceId> {
     /// Σ y(p)·M(p).
     ///
@@ -46,23 +36,5 @@ impl Semiflows<PlaceId> {
             u128::from(flow.weight(a)) + u128::from(flow.weight(b)) > flow.sum(initial) && a != b
         };
         self.through(a).chain(self.through(b)).find(both)
-    }
-
-    /// For each semiflow the places of which any two together would exceed its sum, if there are two.
-    pub fn exclusions(&self, initial: &Marking) -> Vec<Exclusion<'_>> {
-        let group = |by: &'_ Semiflow<PlaceId>| {
-            let sum = by.sum(initial);
-            let mut heavy: Vec<(u64, PlaceId)> = by.weights.iter().map(|&(place, weight)| (weight, place)).collect();
-            heavy.sort_unstable_by(|a, b| b.cmp(a));
-            // Heaviest first: a place joins while it exceeds the sum together with the lightest one before it.
-            let fits = |pair: &[(u64, PlaceId)]| u128::from(pair[0].0) + u128::from(pair[1].0) > sum;
-            let count = 1 + heavy.windows(2).take_while(|pair| fits(pair)).count();
-            let mut places: Vec<PlaceId> = heavy[..count].iter().map(|&(_, place)| place).collect();
-            places.sort_unstable();
-            (places, sum)
-        };
-        let groups = self.all().iter().map(|by| (group(by), by));
-        let groups = groups.map(|((places, sum), by)| Exclusion { places, by, sum });
-        groups.filter(|exclusion| exclusion.places.len() > 1).collect()
     }
 }

@@ -21,8 +21,6 @@ use thiserror::Error;
 use crate::{Net, PlaceId, TransitionId};
 use rays::Matrix;
 
-pub use consequences::Exclusion;
-
 /// A minimal semiflow: the nodes of its support, in order, each with its weight.
 ///
 /// Weights fit 63 bits, so that a weighted sum of 32-bit counts over all places of a net always fits 128.

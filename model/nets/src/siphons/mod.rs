@@ -70,16 +70,6 @@ pub struct Uncontrolled {
     pub trap: Vec<PlaceId>,
 }
 
-/// Whether every transition that gives to the set also takes from it. The empty set is a siphon.
-pub fn is_siphon(net: &Net, places: &[PlaceId]) -> bool {
-    Sides::of_siphons(net).holds(&members(net, places))
-}
-
-/// Whether every transition that takes from the set also gives to it. The empty set is a trap.
-pub fn is_trap(net: &Net, places: &[PlaceId]) -> bool {
-    Sides::of_traps(net).holds(&members(net, places))
-}
-
 /// The union of all siphons within a set of places, in order.
 pub fn largest_siphon_in(net: &Net, places: &[PlaceId]) -> Vec<PlaceId> {
     listed(&Sides::of_siphons(net).largest_in(members(net, places)))

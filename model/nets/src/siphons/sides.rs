@@ -36,12 +36,6 @@ impl Sides {
         self.producers.len()
     }
 
-    /// Whether each transition with an output in the set has an input in it.
-    pub fn holds(&self, set: &[bool]) -> bool {
-        let any = |places: &[usize]| places.iter().any(|&place| set[place]);
-        self.inputs.iter().zip(&self.outputs).all(|(inputs, outputs)| !any(outputs) || any(inputs))
-    }
-
     /// Takes out, again and again, the outputs of transitions that have no input left in the set.
     pub fn largest_in(&self, mut set: Vec<bool>) -> Vec<bool> {
         let count = |places: &Vec<usize>| places.iter().filter(|&&place| set[place]).count();

@@ -51,17 +51,6 @@ pub enum NotAsymmetricChoice {
     Weight(HeavyArc),
 }
 
-/// A place that offers a choice.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{place} offers the choice between {first} and {second}")]
-pub struct ChoicePlace {
-    pub place: NamedId<PlaceId>,
-    /// One transition that takes from it.
-    pub first: NamedId<TransitionId>,
-    /// Another one.
-    pub second: NamedId<TransitionId>,
-}
-
 impl Net {
     /// Whether transitions that share an input place have the same input places: if one of them can fire, all can.
     pub fn is_extended_free_choice(&self) -> Result<(), NotExtendedFreeChoice> {
@@ -117,18 +106,6 @@ impl Net {
             |&&(t, _): &&(TransitionId, u32)| self.consumers(other).binary_search_by_key(&t, |arc| arc.0).is_err();
         self.consumers(place).iter().find(feeds).map(|&(t, _)| t)
     }
-
-    /// Whether no place has two output transitions. Such a net is persistent whatever its marking: no transition can
-    /// disable another (seed 000 §2.5.4, "Persistence"; Teruel, Colom and Silva, *Choice-free Petri nets*, 1997).
-    pub fn is_choice_free(&self) -> Result<(), ChoicePlace> {
-        for p in self.places() {
-            if let [(first, _), (second, _), ..] = *self.consumers(p) {
-                let (first, second) = (self.transition(first), self.transition(second));
-                return Err(ChoicePlace { place: self.place(p), first, second });
-            }
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]
@@ -154,16 +131,6 @@ mod tests {
             why(net(&["a>c", "ab>d", "b>c"]).is_asymmetric_choice()),
             "place `a` and place `b` both feed transition `ab>d`, \
              but place `a` alone feeds transition `a>c`, and place `b` alone transition `b>c`"
-        );
-    }
-
-    #[test]
-    fn a_choice_is_named() {
-        assert_eq!(why(net(&["ab>c", "c>a"]).is_choice_free()), "yes");
-        let two = net(&["a>c", "a>d"]);
-        assert_eq!(
-            why(two.is_choice_free()),
-            "place `a` offers the choice between transition `a>c` and transition `a>d`"
         );
     }
 }

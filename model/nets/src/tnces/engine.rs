@@ -7,7 +7,7 @@ use std::borrow::Borrow;
 
 use super::state::{self, AgedTokens};
 use super::{ArcClock, Deadline, FiringPolicy, Interval, TimedState, Tnces};
-use crate::{FireError, Marking, PlaceId, PlayDirection, TransitionId};
+use crate::{FireError, Marking, PlaceId, TransitionId};
 
 /// A system ready to be played.
 #[derive(Clone, Debug)]
@@ -203,7 +203,7 @@ impl<T: Borrow<Tnces>> Engine<T> {
                 let has = after.marking.tokens(place);
                 let Some(sum) = has.checked_add(gets) else {
                     let (transition, place) = (sys.net.transition(t), sys.net.place(place));
-                    return Err(FireError::Overflow { attempt: PlayDirection::Fire, transition, place, has, gets });
+                    return Err(FireError::Overflow { transition, place, has, gets });
                 };
                 after.marking.set(place, sum);
                 if let Some(slot) = self.place_slot[place.index()] {

@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::engine::Engine;
 use super::{TimedState, Tnces};
-use crate::{FireError, Marking, NamedId, PlaceId, PlayDirection, TransitionId};
+use crate::{FireError, Marking, NamedId, PlaceId, TransitionId};
 
 /// Time at which the player fires transitions that need not fire at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -192,14 +192,7 @@ impl<T: Borrow<Tnces>> TncesPlayer<T> {
         }
         if let Some(&(place, needs)) = net.preset(t).iter().find(|&&(place, needs)| marking.tokens(place) < needs) {
             let (transition, has) = (net.transition(t), marking.tokens(place));
-            return Err(FireError::Lacking {
-                attempt: PlayDirection::Fire,
-                transition,
-                place: net.place(place),
-                has,
-                needs,
-            }
-            .into());
+            return Err(FireError::Lacking { transition, place: net.place(place), has, needs }.into());
         }
         let lacking = |&&(place, needs): &&(PlaceId, u32)| marking.tokens(place) < needs;
         if let Some(&(place, needs)) = self.system().conditions(t).iter().find(lacking) {

@@ -1,7 +1,5 @@
 //! Nets for property tests: written as plain data, so that a failing case can be read.
 
-#![allow(dead_code)] // Each test binary uses its own part.
-
 use linewright_nets::{Net, NetBuilder};
 use proptest::prelude::*;
 
@@ -54,6 +52,19 @@ pub fn connected_state_machine() -> impl Strategy<Value = Net> {
 
 fn side(places: usize) -> impl Strategy<Value = Vec<(usize, u32)>> {
     prop::collection::btree_map(0..places, 1_u32..=3, 0..=places.min(3)).prop_map(|arcs| arcs.into_iter().collect())
+}
+
+/// Up to so many places and transitions, arcs of weight 1 and some of 2: few semiflows have large weights.
+pub fn light_net(most: usize) -> impl Strategy<Value = Net> {
+    let side = |n| {
+        prop::collection::btree_map(0..n, prop_oneof![4 => Just(1_u32), 1 => Just(2)], 0..=2)
+            .prop_map(|arcs| arcs.into_iter().collect::<Vec<_>>())
+    };
+    (1..=most)
+        .prop_flat_map(move |n| {
+            (prop::collection::vec(0_u32..=2, n), prop::collection::vec((side(n), side(n)), 0..=most))
+        })
+        .prop_map(|(tokens, transitions)| net(&tokens, &transitions))
 }
 
 /// Any place/transition net with weights; may be unbounded.

@@ -1,7 +1,5 @@
 //! Shared by the tests of this crate: nets, and results of reading.
 
-#![allow(dead_code)] // Each test binary uses its own part.
-
 use std::fmt::Write;
 
 use linewright_nets::Net;

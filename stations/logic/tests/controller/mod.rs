@@ -12,6 +12,7 @@ mod homing;
 mod hostile;
 mod index;
 mod interlock;
+mod late_images;
 mod place;
 mod recovery;
 mod restart;

@@ -26,18 +26,6 @@ pub enum DriveState {
 }
 
 impl DriveState {
-    /// All states of the profile.
-    pub const KNOWN: [DriveState; 8] = [
-        DriveState::NotReadyToSwitchOn,
-        DriveState::SwitchOnDisabled,
-        DriveState::ReadyToSwitchOn,
-        DriveState::SwitchedOn,
-        DriveState::OperationEnabled,
-        DriveState::QuickStopActive,
-        DriveState::FaultReactionActive,
-        DriveState::Fault,
-    ];
-
     /// The bits of a statusword in this state: bits 0 to 3, 5 and 6. [`DriveState::Unknown`] has none.
     pub const fn bits(self) -> u16 {
         match self {
@@ -176,7 +164,7 @@ mod tests {
             assert!(rows.len() <= 1, "{word:04X}");
             assert_eq!(Statusword(word).state(), expected, "{word:04X}");
         }
-        for state in DriveState::KNOWN {
+        for (_, state) in TABLE {
             assert_eq!(Statusword(state.bits()).state(), state);
         }
     }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use linewright_text::{Located, Problem, Report, suggestion};
 
+use super::resources::station_exists;
 use crate::parse::draft::{DraftActivity, DraftCell};
 use crate::{ActivityKind, ParameterSource, Prototype};
 
@@ -12,13 +13,7 @@ pub(super) fn stations_exist(draft: &DraftCell<'_>, report: &mut Report) {
     let orders = draft.activities.iter().flat_map(|activity| &activity.orders);
     for station in orders.filter_map(|order| order.raw.station.as_ref()) {
         if let Some(line) = draft.line {
-            if line.station_named(&station.value).is_none() {
-                let names = line.stations.iter().map(|station| station.name.as_str());
-                report.add(
-                    Problem::error(station.at.clone(), format!("the line has no station `{}`", station.value))
-                        .maybe_hint(suggestion(&station.value, names)),
-                );
-            }
+            station_exists(line, station, report);
         } else {
             let names = draft.resources.iter().filter_map(|r| Some(r.raw.station.as_ref()?.value.as_str()));
             if !names.clone().any(|name| name == station.value) {

@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use linewright_text::{Problem, Report, suggestion};
+use linewright_line::Line;
+use linewright_text::{LocatedName, Problem, Report, suggestion};
 
 use crate::parse::draft::{DraftCell, DraftResource};
 
@@ -80,12 +81,16 @@ pub(super) fn stations_belong_to_one(draft: &DraftCell<'_>, report: &mut Report)
 pub(super) fn stations_exist(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
     for station in draft.resources.iter().filter_map(|resource| resource.raw.station.as_ref()) {
-        if line.station_named(&station.value).is_none() {
-            let names = line.stations.iter().map(|station| station.name.as_str());
-            report.add(
-                Problem::error(station.at.clone(), format!("the line has no station `{}`", station.value))
-                    .maybe_hint(suggestion(&station.value, names)),
-            );
-        }
+        station_exists(line, station, report);
+    }
+}
+
+pub(super) fn station_exists(line: &Line, station: &LocatedName, report: &mut Report) {
+    if line.station_named(&station.value).is_none() {
+        let names = line.stations.iter().map(|station| station.name.as_str());
+        report.add(
+            Problem::error(station.at.clone(), format!("the line has no station `{}`", station.value))
+                .maybe_hint(suggestion(&station.value, names)),
+        );
     }
 }

@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
-use linewright_text::{NameTable, Problem, Report, suggestion};
+use linewright_text::{NameTable, Problem, Report, TextRange, suggestion};
 
 use crate::DeviceBus;
 use crate::parse::draft::DraftLine;
+use crate::parse::raw::RawDevice;
 use crate::parse::wiring;
 
 /// CANopen node ids are 1 to 127 (CiA 301); the highest is the bus manager's own, which by convention it is.
@@ -15,6 +16,27 @@ const MANAGER: i64 = 127;
 /// A device's node id, where it is usable.
 pub(in crate::parse) fn node_id(value: i64) -> Option<u8> {
     u8::try_from(value).ok().filter(|_| (1..=NODE_MAX).contains(&value))
+}
+
+/// Where a device has the keys of CANopen that devices of other kinds have not.
+pub(super) fn canopen_keys(device: &RawDevice) -> impl Iterator<Item = (&'static str, &TextRange)> {
+    let identity = device.identity.as_ref().and_then(|identity| identity.parts().into_iter().flatten().next());
+    let keys = [
+        ("`node`", device.node.as_ref().map(|node| &node.at)),
+        ("`identity`", identity.map(|part| &part.at)),
+        ("`file`", device.file.as_ref().map(|file| &file.at)),
+        ("`transmission`", device.transmission.as_ref().map(|transmission| &transmission.at)),
+        ("`without_error_values`", device.without_error_values.as_ref().map(|why| &why.at)),
+        ("`on_emergency`", device.on_emergency.as_ref().map(|key| &key.at)),
+        ("`when_lost`", device.when_lost.as_ref().map(|key| &key.at)),
+        ("`drive`", device.drive.as_ref().map(|drive| &drive.at)),
+    ];
+    keys.into_iter().filter_map(|(what, at)| Some((what, at?)))
+}
+
+/// Where its settings begin.
+pub(super) fn settings_at(device: &RawDevice) -> Option<&TextRange> {
+    device.settings.first().and_then(|setting| setting.object.as_ref()).map(|object| &object.at)
 }
 
 pub(super) fn node_ids_are_usable(draft: &DraftLine<'_>, report: &mut Report) {

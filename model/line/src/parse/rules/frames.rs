@@ -1,7 +1,8 @@
 //! Devices without CANopen.
 
-use linewright_text::{Problem, Report, TextRange, or};
+use linewright_text::{Problem, Report, or};
 
+use super::devices::{canopen_keys, settings_at};
 use crate::parse::draft::DraftLine;
 use crate::parse::frames::when;
 use crate::parse::raw::{RawDevice, RawFrames, RawSignalInput, RawTold};
@@ -23,21 +24,9 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
 
 fn nothing_of_canopen_is_said(device: &RawDevice, frames: &RawFrames, report: &mut Report) {
     let bits = device.inputs.first().or(device.outputs.first()).map(|bit| &bit.at);
-    let settings = device.settings.first().and_then(|setting| setting.object.as_ref()).map(|object| &object.at);
-    let identity = device.identity.as_ref().and_then(|identity| identity.parts().into_iter().flatten().next());
-    let said: [(&str, Option<&TextRange>); 10] = [
-        ("`node`", device.node.as_ref().map(|node| &node.at)),
-        ("`identity`", identity.map(|part| &part.at)),
-        ("`inputs` and `outputs`", bits),
-        ("`settings`", settings),
-        ("`file`", device.file.as_ref().map(|file| &file.at)),
-        ("`transmission`", device.transmission.as_ref().map(|raw| &raw.at)),
-        ("`without_error_values`", device.without_error_values.as_ref().map(|why| &why.at)),
-        ("`on_emergency`", device.on_emergency.as_ref().map(|key| &key.at)),
-        ("`when_lost`", device.when_lost.as_ref().map(|key| &key.at)),
-        ("`drive`", device.drive.as_ref().map(|drive| &drive.at)),
-    ];
-    for (what, at) in said.into_iter().filter_map(|(what, at)| Some((what, at?))) {
+    let others = [("`inputs` and `outputs`", bits), ("`settings`", settings_at(device))];
+    let others = others.into_iter().filter_map(|(what, at)| Some((what, at?)));
+    for (what, at) in canopen_keys(device).chain(others) {
         report.add(
             Problem::error(at.clone(), format!("a device with a `dbc` table has no {what}"))
                 .also(&frames.at, "it speaks no CANopen")

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use linewright_text::{Located, Problem, Report, TextRange, or};
 
+use super::devices::{canopen_keys, settings_at};
 use crate::parse::draft::{DraftDevice, DraftLine};
 use crate::parse::modbus::{CYCLE, TIMEOUT, host_and_port, inputs_at, outputs_at};
 use crate::parse::raw::{RawDevice, RawDeviceKind, RawModbus};
@@ -39,21 +40,10 @@ fn kind_and_table_agree(device: &RawDevice, report: &mut Report) {
 }
 
 fn nothing_of_can_is_said(device: &RawDevice, modbus: &RawModbus, report: &mut Report) {
-    let settings = device.settings.first().and_then(|setting| setting.object.as_ref()).map(|object| &object.at);
-    let identity = device.identity.as_ref().and_then(|identity| identity.parts().into_iter().flatten().next());
-    let said: [(&str, Option<&TextRange>); 10] = [
-        ("`node`", device.node.as_ref().map(|node| &node.at)),
-        ("`identity`", identity.map(|part| &part.at)),
-        ("`settings` of objects", settings),
-        ("`file`", device.file.as_ref().map(|file| &file.at)),
-        ("`transmission`", device.transmission.as_ref().map(|transmission| &transmission.at)),
-        ("`without_error_values`", device.without_error_values.as_ref().map(|why| &why.at)),
-        ("`on_emergency`", device.on_emergency.as_ref().map(|key| &key.at)),
-        ("`when_lost`", device.when_lost.as_ref().map(|key| &key.at)),
-        ("`drive`", device.drive.as_ref().map(|drive| &drive.at)),
-        ("`dbc`", device.frames.as_ref().map(|frames| &frames.at)),
-    ];
-    for (what, at) in said.into_iter().filter_map(|(what, at)| Some((what, at?))) {
+    let others =
+        [("`settings` of objects", settings_at(device)), ("`dbc`", device.frames.as_ref().map(|frames| &frames.at))];
+    let others = others.into_iter().filter_map(|(what, at)| Some((what, at?)));
+    for (what, at) in canopen_keys(device).chain(others) {
         report.add(
             Problem::error(at.clone(), format!("a device with a `modbus` table has no {what}"))
                 .also(&modbus.at, "it speaks Modbus")
