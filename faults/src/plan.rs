@@ -45,7 +45,7 @@ pub enum FaultEvent {
     BusOff(usize),
     /// A motion fails.
     Motion(StationId, OpId, bool, MotionFault),
-    /// A switch stays off. One that stays on is not among these: it reports what is not so, which no controller can see at once.
+    /// A switch stays off.
     SwitchOff(StationId, InputId),
     /// A switch that is on stays on; one that is off is not touched.
     SwitchOn(StationId, InputId),

@@ -59,6 +59,8 @@ impl Process {
     /// A new life. Its clock begins anywhere.
     pub(crate) fn begin(&mut self, life: u64, origin: u64) {
         let (stalls, suspended) = (self.stalls, self.suspended);
+        // The timers of the life before are gone.
+        let suspended = suspended.map(|(since, _)| (since, Tick::NEVER));
         *self = Process { is_up: true, life, origin, stalls, suspended, ..Process::new() };
     }
 

@@ -8,9 +8,10 @@
 //! Best effort readers receive none of that, but are no way out: this library's reliable writers wait for their
 //! acknowledgement too, which never comes, and then keep 8192 messages for every new reader.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use linewright_msgs::RosMessage;
+use rustix::time::{ClockId, clock_gettime};
 use tokio::sync::mpsc;
 
 use crate::subscription::{Forward, MessageSource, Subscription, forward};
@@ -84,14 +85,13 @@ where
     T: RosMessage,
     U: Send + 'static,
 {
-    let (began, mut paces) = (Instant::now(), PublisherPaces { fresh: pace, known: Vec::new() });
-    forward(
-        from,
-        to,
-        move |message, source| {
-            if paces.offer(began.elapsed(), &source) { map(message, source) } else { None }
-        },
-    )
+    // The time that the machine sleeps counts: what was sent meanwhile is not of now when it wakes.
+    let now = || {
+        let time = clock_gettime(ClockId::Boottime);
+        Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec as u32)
+    };
+    let mut paces = PublisherPaces { fresh: pace, known: Vec::new() };
+    forward(from, to, move |message, source| if paces.offer(now(), &source) { map(message, source) } else { None })
 }
 
 #[cfg(test)]

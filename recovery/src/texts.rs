@@ -329,7 +329,7 @@ pub(crate) fn reached(line: &Line, station: StationId, end: ActivityEnd) -> Stri
 }
 
 impl StepReason {
-    /// Why the step is there, e.g. `feed` of mill_1 is incomplete; without it clamp_1 is refused `open`.
+    /// Why the step is there, e.g. `feed` of mill_1 is incomplete; otherwise clamp_1 is refused `open`.
     pub fn text(&self, line: &Line) -> String {
         let name = |id: StationId| line.station(id).name.as_str();
         let mut parts: Vec<String> = self.own.iter().map(|&(id, own)| own.text(line, id)).collect();

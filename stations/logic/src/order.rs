@@ -54,4 +54,6 @@ pub struct OrderMemory {
     pub results: Vec<(OrderKey, TaskReply)>,
     /// The last order that it was ordered to leave, once it had ended or was given up: a repetition does not move it.
     pub secured: Option<OrderKey>,
+    /// Parameters of the last order, as outputs of this task, until the station is at a rest.
+    pub parameters: Option<(TaskId, u128)>,
 }

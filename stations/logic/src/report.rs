@@ -110,6 +110,7 @@ pub struct StationSnapshot {
 }
 
 /// Start of a controller.
+#[expect(clippy::large_enum_variant, reason = "there is one, at the start of a station")]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Restore {
     /// For the first time: at home, if the devices confirm it.

@@ -55,6 +55,9 @@ pub(crate) struct OrderSlot {
     results: Vec<(OrderKey, TaskReply)>,
     /// The ended order that it has been ordered to secure.
     secured: Option<OrderKey>,
+    /// The task of the last order, and the outputs that carry its parameters: also when the order has failed, as long as the station stands
+    /// within the task. Whichever way it goes on from there, by itself or led by a person, the place that was meant is the same.
+    parameters: Option<(TaskId, u128)>,
     pub rules: OrderRules,
     /// Replies since the last step.
     pub replies: Vec<(OrderKey, TaskReply)>,
@@ -64,8 +67,6 @@ pub(crate) struct OrderSlot {
 struct ActiveOrder {
     key: OrderKey,
     task: TaskId,
-    /// The outputs that carry its parameters.
-    image: u128,
     limit: Tick,
     /// Its first operation has started.
     begun: bool,
@@ -152,7 +153,8 @@ impl OrderSlot {
                     SlotPhase::Ending { failure: _ } => 3,
                 };
                 out.extend([i64::from(slot.task.0), i64::from(slot.begun), phase]);
-                out.extend([(slot.image >> 64) as i64, slot.image as i64]);
+                let image = self.parameters.map_or(0, |(_, image)| image);
+                out.extend([(image >> 64) as i64, image as i64]);
             }
         }
     }
@@ -168,6 +170,7 @@ impl OrderSlot {
             slot: open.map(|slot| slot.key),
             results: self.results.clone(),
             secured: left.or(self.secured),
+            parameters: self.parameters,
         }
     }
 
@@ -179,6 +182,7 @@ impl OrderSlot {
             last: kept.last,
             results: kept.results,
             secured: kept.secured,
+            parameters: kept.parameters,
             ..OrderSlot::default()
         };
         let surplus = orders.results.len().saturating_sub(RESULTS_MAX);
@@ -240,8 +244,9 @@ impl Controller {
         orders.last = order.key.id;
         self.due.report = true;
         match begun {
-            Ok(slot) => {
+            Ok((slot, image)) => {
                 orders.slot = Some(slot);
+                orders.parameters = Some((slot.task, image));
                 self.due.outputs = true;
                 self.note(HappeningKind::Ordered(slot.task));
                 TaskReply::Running
@@ -254,8 +259,8 @@ impl Controller {
         }
     }
 
-    /// The order as it would be done; why it will not be.
-    fn begin(&self, order: &TaskOrder) -> Result<ActiveOrder, TaskRefusal> {
+    /// The order as it would be done, with the outputs of its parameters; why it will not be.
+    fn begin(&self, order: &TaskOrder) -> Result<(ActiveOrder, u128), TaskRefusal> {
         let tasks = self.program.tasks.as_ref().ok_or(TaskRefusal::Unknown)?;
         if order.limit.is_zero() {
             return Err(TaskRefusal::Late);
@@ -281,14 +286,8 @@ impl Controller {
             return Err(TaskRefusal::NotThere);
         }
         let limit = self.now + order.limit.min(task.limit);
-        Ok(ActiveOrder {
-            key: order.key,
-            task: TaskId::at(index),
-            image,
-            limit,
-            begun: false,
-            phase: SlotPhase::Running,
-        })
+        let task = TaskId::at(index);
+        Ok((ActiveOrder { key: order.key, task, limit, begun: false, phase: SlotPhase::Running }, image))
     }
 
     fn task_of(&self, op: OpId) -> Option<TaskId> {
@@ -332,9 +331,26 @@ impl Controller {
         self.orders.as_ref().and_then(|orders| orders.slot)
     }
 
-    /// The outputs that carry the parameters of the task that is done.
+    /// The outputs that carry the parameters of the task that is done, or that a person leads on or back.
+    ///
+    /// They may be on without an order: a parameter moves nothing, it is where the next motion of the task leads to, and that motion has an
+    /// actuator of its own. They are off in the emergency stop, and without an order where nobody leads the station: so none is on after a
+    /// restart before a mode was given.
     pub(crate) fn parameter_outputs(&self) -> u128 {
-        self.slot().map_or(0, |slot| slot.image)
+        let Some((task, image)) = self.orders.as_ref().and_then(|orders| orders.parameters) else { return 0 };
+        let Some(described) = self.program.tasks.as_ref().and_then(|tasks| tasks.tasks.get(task.index())) else {
+            return 0;
+        };
+        // A record may be of before a change of the wiring: nothing but parameters is put out.
+        let bits = described.parameters.iter().flat_map(|parameter| &parameter.bits);
+        let image = image & bits.fold(0, |bits, output| bits | output.bit());
+        let is_within = || self.marking().next().is_some_and(|place| self.task_of(place.op) == Some(task));
+        match self.commands.mode() {
+            ControlMode::EStop => 0,
+            _ if self.slot().is_some() => image,
+            ControlMode::Hand | ControlMode::Manual if self.rest().is_none() && is_within() => image,
+            _ => 0,
+        }
     }
 
     /// End of the time of the order.

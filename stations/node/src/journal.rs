@@ -5,7 +5,7 @@
 //! generation.
 
 use linewright_line::net::StationPlace;
-use linewright_line::{Line, OpId, StationId};
+use linewright_line::{Line, OpId, StationId, TaskId};
 use linewright_station_logic::{
     CompileError, Controller, OrderKey, OrderMemory, Restore, StationSnapshot, TaskFailure, TaskOutcome, TaskRefusal,
     TaskReply,
@@ -85,6 +85,9 @@ struct OrderRecord {
     results: Vec<(u64, u64, String)>,
     #[serde(default)]
     secured: Option<(u64, u64)>,
+    /// Number of the task, and the outputs that carry its parameters, the higher half first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    parameters: Option<(u16, u64, u64)>,
 }
 
 /// Reason why an order was refused for good, in the words of the record.
@@ -105,6 +108,7 @@ impl OrderRecord {
             slot: memory.slot.map(|key| (key.epoch, key.id)),
             results: memory.results.iter().filter_map(|&(key, r)| Some((key.epoch, key.id, word(r)?))).collect(),
             secured: memory.secured.map(|key| (key.epoch, key.id)),
+            parameters: memory.parameters.map(|(task, image)| (task.0, (image >> 64) as u64, image as u64)),
         }
     }
 
@@ -117,6 +121,9 @@ impl OrderRecord {
             slot: self.slot.map(|(epoch, id)| OrderKey { epoch, id }),
             results: self.results.iter().map(result).collect::<Option<_>>()?,
             secured: self.secured.map(|(epoch, id)| OrderKey { epoch, id }),
+            parameters: self
+                .parameters
+                .map(|(task, high, low)| (TaskId(task), u128::from(high) << 64 | u128::from(low))),
         })
     }
 }

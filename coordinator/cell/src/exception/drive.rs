@@ -159,7 +159,9 @@ impl Coordination {
         let (secure, repeat_interval) = (self.state.table().handling().secure, self.state.table().repeat_interval());
         let limit = self.state.exceptions().open().filter_map(|(id, trouble)| match &trouble.stage {
             ExceptionStage::Securing => Some(self.securing_since(id, trouble.since) + secure),
-            ExceptionStage::Restoring { ruling: _, since } => Some(*since + secure.max(repeat_interval)),
+            ExceptionStage::Restoring { ruling: _, since } => {
+                Some(self.watch.waited_since(*since) + secure.max(repeat_interval))
+            }
             ExceptionStage::Waiting(_) => None,
         });
         let again = self.to_secure(self.watch.now).into_iter().map(|leave| match self.told(leave) {
@@ -252,7 +254,7 @@ impl Coordination {
     fn restored(&mut self, now: Tick, id: FiringId, out: &mut PlayerOutbox) {
         let Some(trouble) = self.state.exceptions().trouble(id) else { return };
         let ExceptionStage::Restoring { ruling, since } = &trouble.stage else { return };
-        let (ruling, since) = (ruling.clone(), *since);
+        let (ruling, since) = (ruling.clone(), self.watch.waited_since(*since));
         let Some((firing, cause)) = self.failed(id) else { return };
         let (mode, part) = (firing.mode, firing.part);
         // In manual by itself a station may be moved after what the sensors are read for.

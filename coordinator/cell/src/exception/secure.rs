@@ -223,7 +223,7 @@ impl Coordination {
     pub(super) fn securing_since(&self, id: FiringId, failed: Tick) -> Tick {
         let orders = self.state.firing(id).into_iter().flat_map(|firing| &firing.orders);
         let told = orders.filter_map(|order| Some(self.watch.told.get(&order.key)?.since));
-        told.fold(failed, Tick::max)
+        told.fold(self.watch.waited_since(failed), Tick::max)
     }
 
     /// Records the stations that have come to rest; raises the alarm when all have.

@@ -61,6 +61,11 @@ impl StationMonitor {
         StationMonitor { began: now, now, uncompared, ..StationMonitor::default() }
     }
 
+    /// Time from which what is waited for counts that has begun at `since`: nothing was received before this life.
+    pub fn waited_since(&self, since: Tick) -> Tick {
+        since.max(self.began)
+    }
+
     /// A step begins. Returns its time.
     pub fn steps(&mut self, now: Tick) -> Tick {
         self.now = now;

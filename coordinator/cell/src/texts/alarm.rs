@@ -126,7 +126,9 @@ impl StationStanding {
             StationStanding::Done => "order done",
             StationStanding::AtRest => "at rest",
             StationStanding::Held => "stopped between two rests",
-            StationStanding::AtOrder => "still at its order, to be ended in auto",
+            StationStanding::AtOrder => {
+                "still at its order, which it ends in auto; where it stands in auto, stop and lead it in manual"
+            }
             StationStanding::Unknown => "rest not confirmed",
             StationStanding::StoreReset => "restarted with an empty order store",
             StationStanding::NotBegun => "order not begun",

@@ -44,7 +44,7 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     let leads = bench.sim.coordination.alarm_leads(bench.sim.now, &alarm);
     assert_eq!((leads.at_order, leads.lead), (vec![robot], Vec::new()));
     let text = bench.alarm_now();
-    assert!(text.contains("robot: still at its order, to be ended in auto"), "{text}");
+    assert!(text.contains("robot: still at its order, which it ends in auto"), "{text}");
     bench.answer("as-before");
     assert_eq!(bench.objections(), [(ResourceRequest::Answer(alarm.id), AlarmAnswerRefusal::Moves(robot))]);
     bench.say(PlayerInput::Station(robot, &stands));

@@ -185,7 +185,7 @@ pub(super) struct CellLoop {
     from: mpsc::Receiver<CellInbound>,
     situation: watch::Receiver<LineSituation>,
     states: Vec<NewestBySequence>,
-    reports: NewestReports,
+    pub(super) reports: NewestReports,
     /// The time when this life began, and by which clock it goes on.
     origin: Tick,
     clock: Clock,
@@ -270,7 +270,8 @@ impl CellLoop {
             // At least as often as the state is published.
             watchdog.feed();
             self.act()?;
-            let wake = self.clock.instant(Tick::ZERO + self.deadline().since(self.origin));
+            let expected = self.deadline().max(self.now());
+            let wake = self.clock.instant(Tick::ZERO + expected.since(self.origin));
             tokio::select! {
                 news = self.from.recv() => match news {
                     Some(news) => self.take(news),
@@ -290,6 +291,9 @@ impl CellLoop {
             // Inputs that have come together are decided together.
             while let Ok(news) = self.from.try_recv() {
                 self.take(news);
+            }
+            if self.now() > expected + self.line.timing.stale {
+                self.stood();
             }
         }
     }
@@ -356,7 +360,10 @@ impl CellLoop {
                 self.perform(now, out)?;
             }
         }
-        self.drop_arrivals();
+        // Nothing is kept for later either.
+        if let Some(trouble) = self.log.as_ref().filter(|log| log.is_halted()).and_then(CellLogKeeper::trouble) {
+            self.drop_arrivals(&trouble);
+        }
         let may_start = situation && !self.log.as_ref().is_some_and(|log| log.is_halted() || log.is_short());
         if !self.is_halted() {
             let told = std::mem::take(&mut self.told);
@@ -387,18 +394,6 @@ impl CellLoop {
 
     fn is_halted(&self) -> bool {
         self.log.as_ref().is_some_and(CellLogKeeper::is_halted)
-    }
-
-    /// While nothing can be written nothing is taken, and nothing is kept for later: stations repeat their states, which would be
-    /// of unknown age, and a request that came together with the failure is refused like those after it.
-    fn drop_arrivals(&mut self) {
-        let Some(trouble) = self.log.as_ref().filter(|log| log.is_halted()).and_then(CellLogKeeper::trouble) else {
-            return;
-        };
-        if self.told.iter().any(PlayerMessage::is_request) {
-            self.people.refuse(&format!("not taken: {trouble}"));
-        }
-        self.told.clear();
     }
 
     /// Sends and publishes what follows from a step that is written down.

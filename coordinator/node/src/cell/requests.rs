@@ -66,6 +66,23 @@ impl PlayerMessage {
 }
 
 impl CellLoop {
+    /// What has arrived is not taken: stations repeat their states, which would be of unknown age, and requests are refused for this reason.
+    pub(super) fn drop_arrivals(&mut self, why: &str) {
+        if self.told.iter().any(PlayerMessage::is_request) {
+            self.people.refuse(&format!("not taken: {why}"));
+        }
+        self.told.clear();
+    }
+
+    /// This process has stood, or its machine has slept: of what has waited meanwhile the age is not known.
+    pub(super) fn stood(&mut self) {
+        tracing::warn!("the cell's thread stood still: all stations count as not received");
+        self.drop_arrivals("the coordinator stood still meanwhile; look at the state, then ask again");
+        self.reports.clear();
+        let now = self.now();
+        self.coordination.stood(now);
+    }
+
     /// Takes a request, unless its result could not be written down.
     pub(super) fn request(&mut self, request: CellInbound) {
         let now = self.now();

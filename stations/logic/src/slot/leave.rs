@@ -37,7 +37,7 @@ impl Controller {
             // It may stand where a person has left it since.
             if let Some(task) = task.filter(|_| is_first) {
                 let phase = SlotPhase::Returning;
-                orders.slot = Some(ActiveOrder { key, task, image: 0, limit: Tick::NEVER, begun: true, phase });
+                orders.slot = Some(ActiveOrder { key, task, limit: Tick::NEVER, begun: true, phase });
                 self.due.report = true;
                 self.note(HappeningKind::Securing(task));
             }
@@ -141,6 +141,12 @@ impl Controller {
     /// At a rest there is nothing to go back from, wherever a person leads it to before it is ordered to.
     fn rests(&mut self) {
         let failed = self.orders.as_ref().and_then(|orders| orders.last_has_failed().filter(|_| self.rest().is_some()));
+        if self.rest().is_some()
+            && let Some(orders) = &mut self.orders
+        {
+            // What begins there next is another task, or has an order of its own.
+            orders.parameters = None;
+        }
         if let (Some(key), Some(orders)) = (failed, &mut self.orders) {
             self.due.report |= orders.secured != Some(key);
             orders.secured = Some(key);

@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{LeaveWay, Restore, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply};
+use linewright_station_logic::{
+    LeaveWay, PanelCommand, Restore, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply,
+};
 
 use super::bench::{MEMORY, OrderBench, ended, key, order};
 
@@ -24,6 +26,33 @@ fn told_to_go_back_it_ends_the_motion_and_takes_the_task_back() {
     assert_eq!(m1.run(&order(2, "machine")), ended(TaskFailure::Cancelled), "a copy of the order that comes late");
     assert_eq!(m1.controller.report().done[1], 0);
     m1.done(&order(3, "release"));
+}
+
+/// Which slot of a store is meant does not change on the way: neither where the order is over and the station goes back by itself, nor where
+/// a person leads it, also after a restart.
+#[test]
+fn the_parameters_are_on_on_every_way_out_of_the_task() {
+    let mut m1 = OrderBench::clamped();
+    m1.run(&order(2, "machine"));
+    m1.leave(key(1, 2), LeaveWay::Hold);
+    m1.arrive();
+    assert_eq!((m1.slot(), m1.on()), (None, vec![]), "it stands");
+    m1.secure(key(1, 2));
+    assert_eq!(m1.on(), ["Y_out", "prog_1", "prog_4"], "it goes back by itself");
+
+    m1.mode(ControlMode::EStop);
+    assert_eq!(m1.outputs, 0);
+    let mut m1 = m1.killed(8);
+    m1.mode(ControlMode::StandBy);
+    assert_eq!(m1.outputs, 0, "no mode was given since");
+    m1.mode(ControlMode::Manual);
+    m1.hold(&[PanelCommand::Retract(true)]);
+    assert_eq!(m1.on(), ["Y_out", "prog_1", "prog_4"], "{:?}", m1.blocked_by());
+    m1.arrive();
+    m1.hold(&[PanelCommand::Retract(false)]);
+    assert_eq!((m1.rest().as_deref(), m1.on()), (Some("clamped"), vec![]));
+    m1.hold(&[PanelCommand::Advance(true)]);
+    assert_eq!(m1.on(), ["Y_in"], "a task that a person begins has none");
 }
 
 #[test]

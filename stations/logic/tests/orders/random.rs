@@ -87,7 +87,7 @@ impl Ledger {
         for (done, started) in report.done.iter().zip(&report.started) {
             prop_assert!(done <= started && started - done <= 1 && *started <= report.cycle);
         }
-        // Motors only by the marking; numbers only while there is an order.
+        // Motors only by the marking; numbers only while there is an order, or a person leads a station on its way.
         let motor = match (place.is_operating(), place.op.0, place.block) {
             (false, _, _) => None,
             (true, 0, Block::Normal) | (true, 4, Block::Recovery) => Some("Y_close"),
@@ -97,7 +97,8 @@ impl Ledger {
             (true, _, _) => Some("Y_out"),
         };
         for output in m1.on() {
-            let number = output.starts_with("prog") && orders.slot.is_some();
+            let is_led = matches!(report.mode, Some(ControlMode::Hand | ControlMode::Manual)) && m1.rest().is_none();
+            let number = output.starts_with("prog") && (orders.slot.is_some() || is_led);
             prop_assert!(number || Some(output) == motor, "{} is on in {}", output, place);
         }
         Ok(())
