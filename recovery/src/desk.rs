@@ -34,14 +34,15 @@ impl Desk {
         let last = units.iter().map(|unit| unit.report.mode_epoch).max().unwrap_or(0);
         let coordinator = Coordinator::new(floor.line.clone(), LIFE, last);
         let coordinator = if situation.mode == ControlMode::EStop { coordinator.with_estop() } else { coordinator };
-        let mut coordinator = coordinator;
-        coordinator.isolate(|id, _| situation.left_out.contains(&id));
         let sent = vec![None; units.len()];
         let mut desk = Desk { coordinator, units, sent, refused: false };
         desk.hear_console(floor.line);
         if situation.mode == ControlMode::StandBy && !situation.restarted.is_empty() {
+            // A station that has ended auto so may be left out since.
             desk.lead_to_auto(situation);
+            desk.settle(floor);
         }
+        desk.coordinator.isolate(|id, _| situation.left_out.contains(&id));
         desk.settle(floor);
         let way: &[ModeCommand] = match situation.mode {
             ControlMode::Home => &[],

@@ -174,6 +174,17 @@ fn from_auto_the_start_is_listed_that_leads_from_home_to_hand() {
     assert!(place_of(&found.steps, |of| matches!(of, RecoveryAction::Hold { .. })).is_some(), "{texts:#?}");
 }
 
+/// It has ended auto before it was left out.
+#[test]
+fn a_station_that_was_restarted_and_is_left_out_since_is_led_in_manual() {
+    let (line, mut seen) = two_are_left_out(ControlMode::StandBy);
+    seen.restarted = vec![seen.left_out[0]];
+    let found = plan(&line, &seen);
+    let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
+    assert!(place_of(&found.steps, |of| *of == RecoveryAction::Command(ModeCommand::Manual)).is_some(), "{texts:#?}");
+    assert_eq!(found.end, RecoveryEnd::Auto, "{texts:#?}");
+}
+
 /// A station that the line's leaving auto has stopped on its way back goes on in auto, and no answer is taken before.
 #[test]
 fn an_alarm_whose_station_still_has_an_order_is_answered_in_auto() {
