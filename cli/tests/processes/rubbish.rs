@@ -80,8 +80,10 @@ fn senders(node: &mut RosNode, late: &[StationState]) -> Vec<Sender> {
         let of_nobody = ModeOrder { boot_id: 0, mode: StationState::MODE_MANUAL, manual_all: true, ..order.clone() };
         vec![order, of_nobody]
     };
-    let image = |_| {
-        let mut image = ProcessImage { boot_id: 0, sequence: u64::MAX, valid: true, ..ProcessImage::default() };
+    let description = late.first().map_or(0, |state| state.description);
+    let image = move |_| {
+        let mut image =
+            ProcessImage { boot_id: 0, sequence: u64::MAX, description, valid: true, ..ProcessImage::default() };
         image.set_word(u128::MAX);
         vec![image]
     };

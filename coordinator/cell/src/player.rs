@@ -109,13 +109,6 @@ impl Coordination {
         Ok(new)
     }
 
-    /// This process has stood, or its machine has slept: nothing that was received before counts, as at the beginning of a life.
-    pub fn stood(&mut self, now: Tick) {
-        self.watch = StationMonitor::new(&self.state, now.max(self.state.now()));
-        self.heard.clear();
-        self.reconsider();
-    }
-
     /// State of the cell.
     pub fn state(&self) -> &PlayerState {
         &self.state

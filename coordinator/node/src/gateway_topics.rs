@@ -1,9 +1,11 @@
 //! A station behind the gateway, as far as ROS 2 sees it: the message with its inputs, and the diagnostics of its devices.
 
+use linewright_coordinator_logic::OutputImage;
 use linewright_coordinator_shell::InputsImage;
 use linewright_line::{Line, Owner, StationId};
 use linewright_msgs::ProcessImage;
 use linewright_node_line::devices::DeviceDiagnosticsTopic;
+use linewright_node_line::{ConvertError, of_this_description};
 use linewright_node_shell::{RosNode, TopicError, stamp};
 
 /// The message that carries a station's inputs.
@@ -23,6 +25,26 @@ pub fn inputs_message(image: InputsImage, boot_id: u64, sequence: u64, descripti
     };
     message.set_word(bits);
     message
+}
+
+/// The outputs of the station of this name, from its message.
+///
+/// # Errors
+/// When the message has another fingerprint of the description than this.
+pub fn outputs_from_message(
+    station: &str,
+    description: u64,
+    message: &ProcessImage,
+) -> Result<OutputImage, ConvertError> {
+    of_this_description(station, message.description, description)?;
+    Ok(OutputImage {
+        bits: message.word(),
+        valid: message.valid,
+        losses: message.lives,
+        boot_id: message.boot_id,
+        number: message.number,
+        mode_epoch: message.mode_epoch,
+    })
 }
 
 /// A station behind the gateway.

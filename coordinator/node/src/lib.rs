@@ -20,6 +20,7 @@ mod topics;
 mod waiting;
 
 pub use command::command_of;
+pub use gateway_topics::outputs_from_message;
 pub use node::{CoordinatorNodeError, CoordinatorOptions, run};
 pub use refusals::Refusals;
 pub use remembered::{record_of, remembered};

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::{OutputImage, RefusedCommand, StationView};
+use linewright_coordinator_logic::{RefusedCommand, StationView};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
 use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
 use linewright_node_line::devices::{Devices, in_words};
-use linewright_node_line::{Waiting, of_this_description, open_buses, quoted, report_from_message};
+use linewright_node_line::{Waiting, open_buses, quoted, report_from_message};
 use linewright_node_shell::{
     Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id,
 };
@@ -19,7 +19,7 @@ use tokio::sync::{mpsc, watch};
 
 use crate::cell::{CellError, CellNodeOptions, CellThread};
 use crate::command::command_of;
-use crate::gateway_topics::{GatewayTopics, inputs_message};
+use crate::gateway_topics::{GatewayTopics, inputs_message, outputs_from_message};
 use crate::line::LineHistory;
 use crate::refusals::Refusals;
 use crate::remembered::remembered;
@@ -306,19 +306,12 @@ impl CoordinatorLoop {
             }
             CoordinatorInbound::Trouble(station, text) => self.troubles[station.index()] = text,
             CoordinatorInbound::Outputs(station, message) => {
-                let name = &self.line.station(station).name;
-                if let Err(error) = of_this_description(name, message.description, self.descriptions.line) {
-                    return self.ignore(error);
+                match outputs_from_message(&self.line.station(station).name, self.descriptions.line, &message) {
+                    Ok(image) => {
+                        self.handle(CoordinatorArrival::Outputs { station, sequence: message.sequence, image });
+                    }
+                    Err(error) => self.ignore(error),
                 }
-                let image = OutputImage {
-                    bits: message.word(),
-                    valid: message.valid,
-                    losses: message.lives,
-                    boot_id: message.boot_id,
-                    number: message.number,
-                    mode_epoch: message.mode_epoch,
-                };
-                self.handle(CoordinatorArrival::Outputs { station, sequence: message.sequence, image });
             }
         }
     }

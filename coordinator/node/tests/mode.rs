@@ -4,10 +4,10 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_coordinator_node::{Refusals, StopTime, command_of, record_of, remembered};
+use linewright_coordinator_node::{Refusals, StopTime, command_of, outputs_from_message, record_of, remembered};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorRecord};
 use linewright_line::{StationId, Tick};
-use linewright_msgs::LineState;
+use linewright_msgs::{LineState, ProcessImage};
 use linewright_testkit::built::transfer_line;
 
 #[test]
@@ -68,4 +68,14 @@ fn it_is_the_time_of_the_stop_and_stays() {
     assert_eq!(time.text((at(7000), wall + Duration::from_secs(2)), Some(at(5000))), "1970-01-01 20:06:29 UTC");
     assert_eq!(time.text((at(8000), wall + Duration::from_secs(99)), Some(at(5000))), "1970-01-01 20:06:29 UTC");
     assert_eq!(time.text((at(9000), wall), None), "", "it was reset");
+}
+
+#[test]
+fn outputs_of_another_description_are_not_taken() {
+    let mut message = ProcessImage { boot_id: 5, description: 7, valid: true, number: 3, ..ProcessImage::default() };
+    message.set_word(0b101);
+    let image = outputs_from_message("mill_1", 7, &message).expect("of the same description");
+    assert_eq!((image.boot_id, image.number, image.bits, image.valid), (5, 3, 0b101, true));
+    let error = outputs_from_message("mill_1", 8, &message).expect_err("of another one").to_string();
+    assert!(error.starts_with("mill_1 runs with another description"), "{error}");
 }

@@ -14,3 +14,4 @@ mod waiting;
 pub use device_texts::DeviceTexts;
 pub use journal::{RecordError, from_record, to_record};
 pub use node::{StationNodeError, StationOptions, run};
+pub use topics::inputs_from_message;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_line::{Line, OpId, StationId, Tick, parse};
+use linewright_line::{Line, OpId, StationId, TaskId, Tick, parse};
 use linewright_station_logic::{
     Controller, LeaveWay, OrderKey, Restore, StationInput, StationSnapshot, TaskCommand, TaskFailure, TaskOrder,
     TaskOutcome, TaskRefusal, TaskReply,
@@ -94,6 +94,16 @@ fn the_place_of_an_axis_that_a_drive_turns_is_kept() {
     for host in ["host", "another start"] {
         assert_eq!(from_record(&line, StationId(0), &record, host).expect("its own record").place, 3);
     }
+}
+
+#[test]
+fn the_parameters_of_the_last_order_are_kept() {
+    let line = line(TASK_DRIVEN);
+    let mut kept = snapshot(&line);
+    let order = kept.order.as_mut().expect("it is task-driven");
+    order.parameters = Some((TaskId(1), 1 << 127 | 5));
+    let record = to_record(&line, StationId(0), &kept, "host");
+    assert_eq!(from_record(&line, StationId(0), &record, "host").expect("its own record"), kept);
 }
 
 #[test]

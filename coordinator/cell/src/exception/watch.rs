@@ -8,6 +8,7 @@ use linewright_orders::LeaveWay;
 
 use super::super::ids::{OrderKey, ResourceId};
 use super::super::orders::{TaskReply, TaskReport};
+use super::super::player::Coordination;
 use super::super::state::PlayerState;
 use super::request::{AlarmAnswerRefusal, Presence};
 
@@ -142,5 +143,14 @@ impl StationMonitor {
         let station = |id: ResourceId| state.table().handling().resource(id)?.station;
         let knows = |station| self.seen.get(&station).is_none_or(|seen| seen.heard.presence != Presence::NoSensor);
         !self.uncompared.is_empty() && self.uncompared.contains_key(&resource) && station(resource).is_some_and(knows)
+    }
+}
+
+impl Coordination {
+    /// This process has stood, or its machine has slept: nothing that was received before counts, as at the beginning of a life.
+    pub fn stood(&mut self, now: Tick) {
+        self.watch = StationMonitor::new(&self.state, now.max(self.state.now()));
+        self.heard.clear();
+        self.reconsider();
     }
 }

@@ -138,3 +138,18 @@ fn a_station_goes_back_only_where_the_other_stands_where_its_order_began() {
     };
     assert!(robot_goes_back(restart), "a later life decides the same");
 }
+
+/// While the coordinator's machine sleeps nothing is received: the time to wait for sensors begins when it wakes.
+#[test]
+fn after_a_standstill_an_answer_waits_for_the_sensors() {
+    let mut bench = CellBench::c1(&[1, 0]);
+    let firing = bench.load_fails();
+    bench.answer("in-machine");
+    bench.sim.now = bench.sim.now + Duration::from_secs(3600);
+    bench.sim.coordination.stood(bench.sim.now);
+    bench.say(PlayerInput::Starts(true));
+    assert!(bench.firing(LOAD).is_some_and(|of| of.id == firing.id), "it was compared with nothing");
+    bench.seconds_later(5.0);
+    let text = &bench.alarm().text;
+    assert!(text.starts_with("Answer \"in-machine\" contradicts the sensors: M1"), "{text}");
+}

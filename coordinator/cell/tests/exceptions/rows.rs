@@ -304,21 +304,6 @@ fn where_no_sensor_says_anything_it_is_noted_that_nobody_has_looked() {
     assert_eq!(unchecked, [bench.resource("M1"), bench.resource("R")]);
 }
 
-/// While the coordinator's machine sleeps nothing is received: the time to wait for sensors begins when it wakes.
-#[test]
-fn after_a_standstill_an_answer_waits_for_the_sensors() {
-    let mut bench = CellBench::c1(&[1, 0]);
-    let firing = bench.load_fails();
-    bench.answer("in-machine");
-    bench.sim.now = bench.sim.now + Duration::from_secs(3600);
-    bench.sim.coordination.stood(bench.sim.now);
-    bench.say(PlayerInput::Starts(true));
-    assert!(bench.firing(LOAD).is_some_and(|of| of.id == firing.id), "it was compared with nothing");
-    bench.seconds_later(5.0);
-    let text = &bench.alarm().text;
-    assert!(text.starts_with("Answer \"in-machine\" contradicts the sensors: M1"), "{text}");
-}
-
 /// A station that is not received is not waited for for ever, and it is out of service when the activity is closed.
 #[test]
 fn a_station_that_is_lost_is_told_of_and_left_out() {

@@ -15,18 +15,18 @@ use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 
 /// Positions nearer than this are the same place, as for the motions of a line.
 const SAME_PLACE: f64 = 1e-6;
-/// An activity of more states than this is left undecided: that of two stations has some hundred.
-const STATES_MAX: usize = 20_000;
-/// At most this many inputs are tried instead of others: few stations see more than some dozen holders.
-const CHANGES_MAX: usize = 500;
+/// States that are looked at for one activity, those with other inputs included; what is not decided by then is left so. An activity of
+/// two stations has some hundred.
+const STATES_MAX: usize = 100_000;
 
 /// Applies the rule to each activity.
 pub(super) fn activities_can_complete(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
     for activity in &draft.activities {
         let Some(handshake) = Handshake::of(line, activity) else { continue };
-        if let Some(waiting) = handshake.stuck(None) {
-            let problem = match handshake.mistaken() {
+        let mut left = STATES_MAX;
+        if let Course::Stuck(waiting) = handshake.course(None, &mut left) {
+            let problem = match handshake.mistaken(&mut left) {
                 Some(mistaken) => handshake.taken_for_each_other(&activity.name, &mistaken),
                 None => handshake.waiting_for_ever(&activity.name, &waiting),
             };
@@ -52,6 +52,15 @@ struct Player<'d, 'a> {
 
 /// Progress of each player: an index of its `places`.
 type State = Vec<usize>;
+
+/// What becomes of the orders.
+enum Course {
+    /// Some order of events leads to the end of all.
+    Completes,
+    /// None does; in this state nothing goes on.
+    Stuck(State),
+    Undecided,
+}
 
 /// An input that an operation waits for, and another one in its stead.
 #[derive(Clone, Copy)]
@@ -93,8 +102,8 @@ impl<'d, 'a> Handshake<'d, 'a> {
         (stations.len() == players.len()).then_some(Handshake { line, players })
     }
 
-    /// A state in which nothing goes on, if no order of events leads to the end of all orders.
-    fn stuck(&self, instead: Option<Mistaken>) -> Option<State> {
+    /// Plays the orders; takes the states from those that are left.
+    fn course(&self, instead: Option<Mistaken>, left: &mut usize) -> Course {
         let first: State = vec![0; self.players.len()];
         let mut known = BTreeSet::from([first.clone()]);
         let mut open = vec![first];
@@ -104,17 +113,19 @@ impl<'d, 'a> Handshake<'d, 'a> {
             if next.is_empty() {
                 let ended = self.players.iter().zip(&state).all(|(player, progress)| player.has_ended(*progress));
                 if ended {
-                    return None;
+                    return Course::Completes;
                 }
                 stuck = Some(state);
                 continue;
             }
+            let before = known.len();
             open.extend(next.into_iter().filter(|state| known.insert(state.clone())));
-            if known.len() > STATES_MAX {
-                return None;
+            match left.checked_sub(known.len() - before) {
+                Some(rest) => *left = rest,
+                None => return Course::Undecided,
             }
         }
-        stuck
+        stuck.map_or(Course::Undecided, Course::Stuck)
     }
 
     /// The states after one event: an operation that starts, or ends.
@@ -171,10 +182,10 @@ impl<'d, 'a> Handshake<'d, 'a> {
     }
 
     /// The first input with whose opposite the orders complete, in the way in which parts are handed over.
-    fn mistaken(&self) -> Option<Mistaken> {
+    fn mistaken(&self, left: &mut usize) -> Option<Mistaken> {
         let operations = |at: usize| (0..self.players[at].operations.len()).map(move |nth| (at, nth));
-        let all = (0..self.players.len()).flat_map(operations).flat_map(|(at, nth)| self.changes(at, nth));
-        all.take(CHANGES_MAX).find(|change| self.stuck(Some(*change)).is_none())
+        let mut all = (0..self.players.len()).flat_map(operations).flat_map(|(at, nth)| self.changes(at, nth));
+        all.find(|change| matches!(self.course(Some(*change), left), Course::Completes))
     }
 
     /// The inputs that an operation waits for, each with each of its opposites.
