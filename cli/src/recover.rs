@@ -26,7 +26,7 @@ use crate::load;
 use crate::watch::{Screen, refusal};
 use json::RecoveryJson;
 use newest::{NewestPlan, ReasonedPlan};
-use progress::{PressFailures, newly_done};
+use progress::{PressFailures, behind_signals, newly_done};
 
 /// Time within which all are to be received.
 const HEARD_WITHIN: Duration = Duration::from_secs(5);
@@ -110,8 +110,8 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
                 if let (Some(before), Some(now)) = (&before, &found) {
                     done.extend(newly_done(client.line(), &before.plan, &now.plan));
                 }
-                let first = found.as_ref().and_then(|found| found.plan.steps.first());
-                failures.note(first, |id| newest.moves(id), |id| client.station(id).is_some_and(comes_again));
+                let next = found.as_ref().and_then(|found| found.plan.steps.get(behind_signals(&found.plan)?));
+                failures.note(next, |id| newest.moves(id), |id| client.station(id).is_some_and(comes_again));
                 let commands = if screen.is_some() { Commands::First } else { Commands::AllAgain };
                 let of = PictureOf { done: &done, found: found.as_ref(), commands, failed: failures.count() };
                 let lines = picture(client, path, &of);
@@ -195,6 +195,24 @@ fn is_over_again(state: &StationState) -> bool {
     state.stop_causes.contains(&StationState::CAUSE_DEVICES) && state.devices_valid && !comes_again(state)
 }
 
+/// The causes, with what is to be done about them before the next motion. `signals_off`: stations that a fault signal has stopped which
+/// is off now; nothing is still so of that, but what brought it on may be.
+fn cause_lines(line: &Line, causes: &[(&str, &StationState)], signals_off: &[StationId]) -> Vec<String> {
+    const STILL_SO: &str = "       remove what is still so of it first: it leads to the same fault again";
+    const OFF: &str = "       look at the mechanism: the signal has gone off; its cause may still be there";
+    let is_off = |name: &str| line.station_named(name).is_some_and(|id| signals_off.contains(&id));
+    let lines_of = |&(station, state): &(&str, &StationState)| {
+        let over = if is_over_again(state) { " (over: they are there again)" } else { "" };
+        let cause = format!("cause: {station}: {}{over}", state.fault);
+        std::iter::once(cause).chain(is_off(station).then(|| OFF.to_owned()))
+    };
+    let mut lines: Vec<String> = causes.iter().flat_map(lines_of).collect();
+    if causes.iter().any(|(station, state)| comes_again(state) && !is_off(station)) {
+        lines.push(STILL_SO.to_owned());
+    }
+    lines
+}
+
 /// What a picture shows.
 struct PictureOf<'p> {
     /// Steps that were done.
@@ -227,22 +245,17 @@ fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<Strin
     }));
     let is_over = found.is_some_and(ReasonedPlan::is_done);
     let causes = if is_over { Vec::new() } else { causes(line, |id| client.station(id)) };
-    lines.extend(causes.iter().map(|(station, state)| {
-        let over = if is_over_again(state) { " (over: they are there again)" } else { "" };
-        format!("cause: {station}: {}{over}", state.fault)
-    }));
-    if causes.iter().any(|(_, state)| comes_again(state)) {
-        lines.push("       remove what is still so of it first: it leads to the same fault again".to_owned());
-    }
+    lines.extend(cause_lines(line, &causes, found.map_or(&[], |found| &found.signals_off)));
     lines.extend(done.iter().map(|text| format!(" done  {text}")));
     lines.extend(client.other_descriptions());
-    let Some(ReasonedPlan { plan, reasons }) = found else { return lines };
+    let Some(found) = found else { return lines };
+    let (plan, next) = (&found.plan, behind_signals(&found.plan));
     lines.extend(plan.led.iter().map(|led| led.text(line)));
-    for (at, (step, why)) in plan.steps.iter().zip(reasons).enumerate() {
+    for (at, (step, why)) in plan.steps.iter().zip(&found.reasons).enumerate() {
         lines.push(format!("{:>5}. {}", at + 1, step.text(line)));
         lines.extend(why.iter().map(|why| format!("       since {why}")));
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
-        let failed = if at == 0 { failed_again(client, step, failed) } else { None };
+        let failed = if Some(at) == next { failed_again(client, (step, found.returns_home), failed) } else { None };
         if failed.is_none() && (at == 0 || commands != Commands::First) {
             lines.extend(typed(line, path, step).into_iter().map(|typed| format!("       {typed}")));
         }
@@ -267,9 +280,10 @@ fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<Strin
 }
 
 /// What stands in place of the command of a press that has failed twice: the cause.
-fn failed_again(client: &OperatorClient, step: &RecoveryStep, failed: u32) -> Option<String> {
-    let state = client.station(step.action.station()?)?;
-    progress::instead_of_again(failed, &state.fault)
+fn failed_again(client: &OperatorClient, (step, returns_home): (&RecoveryStep, bool), failed: u32) -> Option<String> {
+    let id = step.action.station()?;
+    let way_home = returns_home.then(|| client.line().station(id).name.as_str());
+    progress::instead_of_again(failed, &client.station(id)?.fault, way_home)
 }
 
 /// Lost devices with their diagnostics, as the station reports them; none of a step that waits for no devices of a station.
@@ -351,6 +365,13 @@ mod tests {
             assert_eq!(causes(&line, state), [(name, &stopped)]);
             assert_eq!(comes_again(&stopped), again);
         }
+        let stopped = StationState { stop_causes: vec![StationState::CAUSE_SIGNAL], ..broken.clone() };
+        let [cause, advice] = &cause_lines(&line, &[(name, &stopped)], &[])[..] else { panic!("two lines") };
+        assert_eq!(cause, &format!("cause: {name}: {fault}"));
+        assert!(advice.contains("remove what is still so of it first"), "{advice}");
+        let off = cause_lines(&line, &[(name, &stopped)], &[StationId(1)]);
+        let advice = "       look at the mechanism: the signal has gone off; its cause may still be there";
+        assert_eq!(off, [cause.as_str(), advice]);
         let lost = StationState { stop_causes: vec![StationState::CAUSE_DEVICES], ..broken.clone() };
         assert!(comes_again(&lost) && !is_over_again(&lost));
         let there = StationState { devices_valid: true, ..lost };

@@ -11,6 +11,7 @@ use linewright_station_shell::EPOCH_JUMP_MAX;
 use crate::deliver::FORGED_NUMBER;
 use crate::disk::DiskState;
 use crate::message::Message;
+use crate::mutants::Mutant;
 use crate::network::Weather;
 use crate::observer::TOLERANCE;
 use crate::plan::{FaultEvent, ForgedEpoch};
@@ -199,11 +200,11 @@ impl World {
     }
 
     fn end_stall(&mut self, node: usize) {
-        let now = self.now;
+        let (now, clock_stands) = (self.now, self.mutant == Some(Mutant::ClockStands));
         let process = self.process(node);
         process.stalls -= 1;
         let runs = process.stalls == 0;
-        let late = if runs { process.resume(now) } else { None };
+        let late = if runs { process.resume(now, clock_stands) } else { None };
         for owner in self.managed(node) {
             self.io[owner].find(now, &mut self.plant);
             self.after_plant(owner);

@@ -95,9 +95,15 @@ impl Process {
 
     /// It runs again. Gives the time at which its timer calls it, late by as long as its machine slept; none where it runs at once, as after
     /// a mere standstill, or with what has arrived.
-    pub(crate) fn resume(&mut self, now: Tick) -> Option<Tick> {
+    /// `clock_stands`: a broken rule, its clock has stood meanwhile.
+    pub(crate) fn resume(&mut self, now: Tick, clock_stands: bool) -> Option<Tick> {
         self.resumed = now;
         let (since, wakes) = self.suspended.take()?;
+        if clock_stands {
+            self.origin = self.origin.saturating_sub(now.since(since).as_micros() as u64);
+            self.inbox.iter_mut().for_each(|(_, delivered, _)| *delivered = now);
+            return None;
+        }
         (self.inbox.is_empty() && wakes != Tick::NEVER).then(|| now + wakes.since(since))
     }
 }

@@ -58,13 +58,7 @@ impl RecoveryPlan {
         if self.presses() < 2 || self.steps.len() > STEPS_MAX || situation.mode == ControlMode::Auto {
             return found;
         }
-        let Some(mut units) = self.begin(line, situation) else { return found };
-        let floor = PlayedLine::new(line, &units);
-        floor.meet(&mut units);
-        for at in 0..units.len() {
-            let epoch = units[at].report.mode_epoch;
-            floor.order(&mut units, at, in_manual(epoch));
-        }
+        let Some((floor, mut units)) = self.begin_in_manual(line, situation) else { return found };
         for (at, step) in self.steps.iter().enumerate() {
             let Some(after) = played(&floor, &units, step) else { return found };
             if matches!(step.action, RecoveryAction::Press(..) | RecoveryAction::Resume) {
@@ -73,6 +67,37 @@ impl RecoveryPlan {
             units = after;
         }
         found
+    }
+
+    /// Whether presses of *return* alone lead a station home in manual, as along its recovery path.
+    pub fn returns_home(&self, line: &Line, situation: &LineSituation, station: StationId) -> bool {
+        let Some((floor, mut units)) = self.begin_in_manual(line, situation) else { return false };
+        // Each operation is taken back at most once, or done on the recovery path.
+        for _ in 0..=line.station(station).operations.len() {
+            let Some(pressed) = floor.press(&units, station.index(), PanelButton::Return) else { return false };
+            units = pressed.units;
+            let report = &units[station.index()].report;
+            if report.at_home && report.incomplete.is_empty() {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The stations in manual, when what a person has to see to is done.
+    fn begin_in_manual<'l>(
+        &self,
+        line: &'l Line,
+        situation: &LineSituation,
+    ) -> Option<(PlayedLine<'l>, PlayedStations)> {
+        let mut units = self.begin(line, situation)?;
+        let floor = PlayedLine::new(line, &units);
+        floor.meet(&mut units);
+        for at in 0..units.len() {
+            let epoch = units[at].report.mode_epoch;
+            floor.order(&mut units, at, in_manual(epoch));
+        }
+        Some((floor, units))
     }
 
     /// The stations, when what a person has to see to is done.

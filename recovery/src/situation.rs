@@ -3,7 +3,9 @@
 use linewright_coordinator_logic::ModeStanding;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, OpId, RestId, StationId};
-use linewright_station_logic::StationReport;
+use linewright_station_logic::{StationReport, StopCause};
+
+use crate::first::fault_signals;
 
 /// State of the console's devices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -130,6 +132,19 @@ impl LineSituation {
             obstacles,
             ..LineSituation::of(line, mode, stations)
         }
+    }
+
+    /// The stations of which an operation was stopped by a fault signal, and no such signal is on now.
+    pub fn signals_off(&self, line: &Line) -> Vec<StationId> {
+        let was_stopped =
+            |report: &StationReport| report.incomplete.iter().any(|(_, cause)| *cause == StopCause::Signal);
+        let is_off = |id: &StationId| {
+            let report = self.stations.get(id.index()).and_then(Option::as_ref);
+            report.is_some_and(|of| {
+                of.devices_valid && was_stopped(of) && fault_signals(line.station(*id), of).is_empty()
+            })
+        };
+        line.station_ids().filter(is_off).collect()
     }
 
     /// The stations that alarms ask to be led to a rest by hand and that are not there.

@@ -64,3 +64,13 @@ fn one_press_alone_needs_no_reason() {
     let has_one = |sim: &LineSim| plan(sim.line(), &situation(sim)).presses() == 1;
     assert_eq!(reasons(&sims.find(has_one).expect("some have one")), [""; 0]);
 }
+
+/// The feed of the mill is irreversible, and has a recovery path.
+#[test]
+fn what_return_alone_leads_home_is_known() {
+    let sim = disturbed(&transfer_line(), 22);
+    let (line, now) = (sim.line(), situation(&sim));
+    let found = plan(line, &now);
+    let home = |name: &str| found.returns_home(line, &now, line.station_named(name).expect("it is there"));
+    assert_eq!([home("mill_1"), home("transfer")], [true, false]);
+}

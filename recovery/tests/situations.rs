@@ -8,7 +8,7 @@ use linewright_line::{Line, StationId};
 use linewright_plant::MotionFault;
 use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryStep, StationAfter, plan};
 use linewright_simulation::{LineSim, MotionSelection, NodeProcess, OperatorAction};
-use linewright_station_logic::RejoinAt;
+use linewright_station_logic::{RejoinAt, StopCause};
 use linewright_testkit::built::transfer_line;
 
 use crate::operator::{command, in_auto, recover, run_for, situation, switched_on, works_on};
@@ -204,6 +204,24 @@ fn a_lost_device_and_a_fault_signal_are_named_first() {
     assert_eq!(plan.steps[0].action, RecoveryAction::First(Need::Devices(StationId(1))));
     assert_eq!(plan.end, RecoveryEnd::Auto);
     recover(&mut sim);
+}
+
+#[test]
+fn a_fault_signal_is_off_where_it_has_stopped_something_and_is_not_on() {
+    let (sim, line) = (after_a_jam(0, "advance transfer"), transfer_line());
+    let mut seen = situation(&sim);
+    let stopped =
+        line.station_ids().find(|id| !seen.stations[id.index()].as_ref().expect("it is heard").incomplete.is_empty());
+    let stopped = stopped.expect("one has jammed");
+    assert_eq!(seen.signals_off(&line), []);
+    let with = |seen: &mut LineSituation, cause, valid| {
+        let report = seen.stations[stopped.index()].as_mut().expect("it is heard");
+        (report.incomplete[0].1, report.devices_valid) = (cause, valid);
+        seen.signals_off(&line)
+    };
+    assert_eq!(with(&mut seen, StopCause::Signal, true), [stopped]);
+    assert_eq!(with(&mut seen, StopCause::Signal, false), [], "nothing is known of it");
+    assert_eq!(with(&mut seen, StopCause::Watchdog, true), []);
 }
 
 /// A switch of clamp 1 is held on, or nothing is.

@@ -8,9 +8,11 @@ use linewright_line::{Line, StationId};
 use linewright_msgs::{ActivityState, AlarmState, CellState, LineState};
 use linewright_node_line::{mode_from_code, report_from_message};
 use linewright_recovery::{
-    ActivityEnd, DecidedEnd, EndsReached, LineSituation, RecoveryEnd, RecoveryPlan, StandingAlarm, plan,
+    ActivityEnd, DecidedEnd, EndsReached, LineSituation, PanelButton, RecoveryAction, RecoveryEnd, RecoveryPlan,
+    StandingAlarm, plan,
 };
 
+use super::progress::behind_signals;
 use crate::cell::CellClient;
 use crate::client::OperatorClient;
 
@@ -19,6 +21,10 @@ use crate::client::OperatorClient;
 pub struct ReasonedPlan {
     pub plan: RecoveryPlan,
     pub reasons: Vec<Option<String>>,
+    /// The stations that a fault signal has stopped, and it is off now.
+    pub signals_off: Vec<StationId>,
+    /// Whether *return* alone leads home the station whose *advance* comes next.
+    pub returns_home: bool,
 }
 
 /// The newest plan, with the situation that it was made for: the same situation needs no other search.
@@ -47,7 +53,15 @@ impl NewestPlan {
                 let plan = plan(client.line(), &situation);
                 let reasons = plan.reasons(client.line(), &situation).into_iter();
                 let reasons = reasons.map(|why| why.map(|why| why.text(client.line()))).collect();
-                (situation, ReasonedPlan { plan, reasons })
+                let (line, signals_off) = (client.line(), situation.signals_off(client.line()));
+                let next = behind_signals(&plan).map(|at| &plan.steps[at].action);
+                let returns_home = match next {
+                    Some(RecoveryAction::Press(station, PanelButton::Advance)) => {
+                        plan.returns_home(line, &situation, *station)
+                    }
+                    _ => false,
+                };
+                (situation, ReasonedPlan { plan, reasons, signals_off, returns_home })
             });
         }
         self.known.as_ref().map(|(_, found)| found)

@@ -5,7 +5,14 @@ use linewright_recovery::{Need, PlannedMotion, RecoveryAction, RecoveryPlan, Rec
 
 /// Something that ends by itself.
 fn is_wait(step: &RecoveryStep) -> bool {
-    matches!(step.action, RecoveryAction::First(Need::Standstill(_) | Need::Acknowledged | Need::Settled { .. }))
+    let is_wait =
+        matches!(step.action, RecoveryAction::First(Need::Standstill(_) | Need::Acknowledged | Need::Settled { .. }));
+    is_wait || is_signal(step)
+}
+
+/// A fault signal: it may go off by itself, as that of a drive does which stands.
+fn is_signal(step: &RecoveryStep) -> bool {
+    matches!(step.action, RecoveryAction::First(Need::FaultSignal(..)))
 }
 
 /// The first steps of a plan that its successor does not have any more, if the rest is the same.
@@ -23,6 +30,11 @@ pub fn newly_done(line: &Line, before: &RecoveryPlan, now: &RecoveryPlan) -> Vec
     old[..was.len() - is.len()].iter().map(|step| step.text(line)).collect()
 }
 
+/// The place in a plan of its first step behind fault signals.
+pub fn behind_signals(plan: &RecoveryPlan) -> Option<usize> {
+    plan.steps.iter().position(|step| !is_signal(step))
+}
+
 /// Failures of the press that stays the first step of a plan.
 #[derive(Debug, Default)]
 pub struct PressFailures {
@@ -32,7 +44,8 @@ pub struct PressFailures {
 }
 
 impl PressFailures {
-    /// Takes the first step of the newest plan; whether its station moves now, and whether it was stopped by what comes again.
+    /// Takes the first step of the newest plan behind fault signals; whether its station moves now, and whether it was stopped by
+    /// what comes again.
     pub fn note(
         &mut self,
         first: Option<&RecoveryStep>,
@@ -58,11 +71,15 @@ impl PressFailures {
     }
 }
 
-/// What stands in place of a press that has failed twice: another one ends in the same fault.
-pub fn instead_of_again(failed: u32, fault: &str) -> Option<String> {
+/// What stands in place of a press that has failed twice: another one ends in the same fault. `way_home`: the station that *return*
+/// alone leads home.
+pub fn instead_of_again(failed: u32, fault: &str, way_home: Option<&str>) -> Option<String> {
     const OFTEN: u32 = 2;
     (failed >= OFTEN && !fault.is_empty()).then(|| {
-        format!("this press has failed {failed} times: {fault}. Remove the cause at the machine before the next one")
+        let home = way_home.map_or_else(String::new, |name| format!(", or lead {name} home: hold return"));
+        format!(
+            "this press has failed {failed} times: {fault}. Remove the cause at the machine before the next one{home}"
+        )
     })
 }
 
@@ -71,8 +88,8 @@ mod tests {
     use std::time::Duration;
 
     use linewright_coordinator_logic::ModeCommand;
-    use linewright_line::OpId;
     use linewright_line::net::{ControlMode, StationPlace};
+    use linewright_line::{InputId, OpId};
     use linewright_recovery::{PanelButton, RecoveryEnd};
 
     use super::*;
@@ -120,6 +137,27 @@ mod tests {
         assert!(newly_done(&line, &other, &before).is_empty());
     }
 
+    fn signal() -> RecoveryStep {
+        step(RecoveryAction::First(Need::FaultSignal(StationId(0), InputId(3))), Vec::new(), ControlMode::Manual)
+    }
+
+    /// A drive that stands reports no fault any more, and sticks as before.
+    #[test]
+    fn a_fault_signal_that_has_gone_off_is_nothing_that_was_done_and_no_other_press() {
+        let line = linewright_line::parse("line.toml", &linewright_line::TransferLine::default().text());
+        let line = line.expect("parses").line;
+        let (on, off) = (plan(vec![signal(), press(), auto()]), plan(vec![press(), auto()]));
+        assert_eq!(newly_done(&line, &on, &off), [""; 0]);
+        assert_eq!(newly_done(&line, &on, &plan(vec![auto()])), [press().text(&line)]);
+        let mut failures = PressFailures::default();
+        for _ in 0..2 {
+            for (now, moves) in [(&off, true), (&off, true), (&on, false), (&off, false)] {
+                failures.note(behind_signals(now).map(|at| &now.steps[at]), |_| moves, |_| true);
+            }
+        }
+        assert_eq!(failures.count(), 2);
+    }
+
     /// Whoever holds it longer only waits for the watchdog again.
     #[test]
     fn a_press_that_fails_twice_is_not_proposed_again_without_its_cause() {
@@ -133,10 +171,12 @@ mod tests {
         let other = step(RecoveryAction::Press(StationId(0), PanelButton::Return), Vec::new(), ControlMode::Manual);
         let counts = [held(&press(), true), held(&press(), false), held(&press(), true), held(&other, true)];
         assert_eq!(counts, [1, 1, 2, 1], "a button that was let go is no failure; another press is another one");
-        let said = |failed| instead_of_again(failed, "feed: no arrival within 2 s");
+        let said = |failed| instead_of_again(failed, "feed: no arrival within 2 s", None);
         assert_eq!(said(1), None);
         let text = "this press has failed 2 times: feed: no arrival within 2 s. Remove the cause at the machine before the next one";
         assert_eq!(said(2).as_deref(), Some(text));
+        let text = format!("{text}, or lead press home: hold return");
+        assert_eq!(instead_of_again(2, "feed: no arrival within 2 s", Some("press")), Some(text));
         failures.note(Some(&auto()), |_| false, |_| true);
         assert_eq!(failures.count(), 0);
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::{RefusedCommand, StationView};
+use linewright_coordinator_logic::{ModeRefusal, RefusedCommand, StationView};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
@@ -275,11 +275,11 @@ impl CoordinatorLoop {
                     tracing::info!("operator: {}", quoted(words.trim()));
                     self.handle(command);
                 }
-                Err(unknown) => self.refuse(unknown, String::new()),
+                Err(unknown) => self.refuse(unknown, String::new(), &[]),
             },
             CoordinatorInbound::Buttons(names) => match self.buttons(&names) {
                 Ok(held) => self.handle(CoordinatorArrival::Buttons(held)),
-                Err(unknown) => self.refuse(unknown, String::new()),
+                Err(unknown) => self.refuse(unknown, String::new(), &[]),
             },
             CoordinatorInbound::Resume { console, held } => {
                 self.handle(CoordinatorArrival::Resume { console, held });
@@ -328,8 +328,8 @@ impl CoordinatorLoop {
     }
 
     /// Counts a refusal. `command`: the command as it was sent; empty where something else was refused.
-    fn refuse(&mut self, text: String, command: String) {
-        self.refusals.refuse(self.clock.now(), text, command);
+    fn refuse(&mut self, text: String, command: String, reasons: &[ModeRefusal]) {
+        self.refusals.refuse(self.clock.now(), text, command, reasons);
         self.shell.answer_soon();
     }
 
@@ -438,7 +438,7 @@ impl CoordinatorLoop {
             Owner::Station(id) if !self.troubles[id.index()].is_empty() => self.troubles[id.index()].clone(),
             owner => in_words(&self.buses, owner),
         });
-        self.refuse(text, refusal.command.words(&self.line));
+        self.refuse(text, refusal.command.words(&self.line), &refusal.reasons);
     }
 
     fn send_inputs(&mut self, station: StationId, sequence: u64, image: InputsImage) {

@@ -1,7 +1,9 @@
-//! The last refusal, as it is published: until a command is obeyed, the mode changes, or half a minute has passed.
+//! The last refusal, as it is published: until a command is obeyed, the mode changes, what it asks for
+//! is seen done, or half a minute has passed.
 
 use std::time::Duration;
 
+use linewright_coordinator_logic::ModeRefusal;
 use linewright_line::Tick;
 use linewright_msgs::{LineState, fitting};
 
@@ -18,12 +20,14 @@ pub struct Refusals {
     text: String,
     /// The command that was refused, in its words.
     command: String,
+    /// Why, where it was a command for the mode.
+    reasons: Vec<ModeRefusal>,
     at: Tick,
     log_due: Tick,
 }
 
 impl Refusals {
-    pub fn refuse(&mut self, now: Tick, text: String, command: String) {
+    pub fn refuse(&mut self, now: Tick, text: String, command: String, reasons: &[ModeRefusal]) {
         self.count += 1;
         if now >= self.log_due {
             self.log_due = now + LOGGED_EVERY;
@@ -32,6 +36,7 @@ impl Refusals {
         // With many devices lost there is more to say than a message carries.
         self.text = fitting(text);
         self.command = command;
+        self.reasons = reasons.to_vec();
         self.at = now;
     }
 
@@ -42,7 +47,7 @@ impl Refusals {
 
     /// The message with the refusal that stands.
     pub fn message(&self, now: Tick, message: LineState) -> LineState {
-        let (text, age) = self.standing(now);
+        let (text, age) = if self.is_met(&message) { ("", Duration::ZERO) } else { self.standing(now) };
         LineState {
             refused: if text.is_empty() { String::new() } else { self.command.clone() },
             refusal: text.to_owned(),
@@ -50,6 +55,12 @@ impl Refusals {
             refusals: self.count,
             ..message
         }
+    }
+
+    /// Whether what the refusal asks for is done: the emergency stop button is seen released.
+    fn is_met(&self, state: &LineState) -> bool {
+        let is_released = !state.estop_pressed && !state.console_lost;
+        self.reasons == [ModeRefusal::EStopPressed] && is_released
     }
 
     /// The refusal that stands, and its age; empty for none.

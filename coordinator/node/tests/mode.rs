@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use linewright_coordinator_logic::ModeCommand;
+use linewright_coordinator_logic::{ModeCommand, ModeRefusal};
 use linewright_coordinator_node::{Refusals, StopTime, command_of, outputs_from_message, record_of, remembered};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorRecord};
 use linewright_line::{StationId, Tick};
@@ -36,12 +36,12 @@ fn one_station_is_named_after_manual_or_auto() {
 fn a_refusal_stands_with_its_age_until_something_ends_it_or_half_a_minute_is_over() {
     let mut refusals = Refusals::default();
     let at = Tick::from_millis;
-    refusals.refuse(at(1000), "hand refused in auto".to_owned(), "hand".to_owned());
+    refusals.refuse(at(1000), "hand refused in auto".to_owned(), "hand".to_owned(), &[]);
     let refused = |refusals: &Refusals, now| refusals.message(now, LineState::default()).refused;
     assert_eq!(refused(&refusals, at(2000)), "hand");
     assert_eq!(refusals.standing(at(30_999)), ("hand refused in auto", Duration::from_millis(29_999)));
     assert_eq!(refusals.standing(at(31_000)), ("", Duration::ZERO));
-    refusals.refuse(at(40_000), "manual refused in auto".to_owned(), "manual".to_owned());
+    refusals.refuse(at(40_000), "manual refused in auto".to_owned(), "manual".to_owned(), &[]);
     refusals.end();
     assert_eq!((refusals.standing(at(40_001)), refusals.count), (("", Duration::ZERO), 2));
     assert_eq!(refused(&refusals, at(40_001)), "");
@@ -78,4 +78,19 @@ fn outputs_of_another_description_are_not_taken() {
     assert_eq!((image.boot_id, image.number, image.bits, image.valid), (5, 3, 0b101, true));
     let error = outputs_from_message("mill_1", 8, &message).expect_err("of another one").to_string();
     assert!(error.starts_with("mill_1 runs with another description"), "{error}");
+}
+
+#[test]
+fn a_refusal_that_asks_for_the_release_of_a_button_ends_with_it() {
+    let refused = |reasons: &[ModeRefusal], estop_pressed, console_lost| {
+        let mut refusals = Refusals::default();
+        refusals.refuse(Tick::from_millis(1), "reset refused".to_owned(), "reset".to_owned(), reasons);
+        let state = LineState { estop_pressed, console_lost, ..LineState::default() };
+        refusals.message(Tick::from_millis(2), state).refusal
+    };
+    let pressed = [ModeRefusal::EStopPressed];
+    assert_eq!(refused(&pressed, true, false), "reset refused");
+    assert_eq!(refused(&pressed, false, true), "reset refused", "whether it is released is not known");
+    assert_eq!(refused(&pressed, false, false), "");
+    assert_eq!(refused(&[], false, false), "reset refused", "another one asks for something else");
 }

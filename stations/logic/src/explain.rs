@@ -25,7 +25,7 @@ impl Controller {
         parts.join(" + ")
     }
 
-    /// The fault to announce, e.g. `advance clamp: fault signal`; empty when there is none.
+    /// The fault to announce, e.g. `undoing advance clamp: fault signal`; empty when there is none.
     pub fn fault_text(&self, line: &Line) -> String {
         let mut parts = Vec::new();
         for place in self.marking().filter(|place| place.is_incomplete()) {
@@ -43,7 +43,8 @@ impl Controller {
                 {
                     text.push_str(signal_now_text(self.image.bits & fault.bit() != 0));
                 }
-                parts.push(format!("{}: {text}", self.op_name(line, place.op)));
+                let undoing = if place.block == Block::Recovery { "undoing " } else { "" };
+                parts.push(format!("{undoing}{}: {text}", self.op_name(line, place.op)));
             }
         }
         if let Some(lost) = self.loss() {

@@ -71,6 +71,9 @@ fn releasing_the_button_stops_a_manual_motion_and_either_button_moves_it_on() {
     assert_eq!((rig.outputs, rig.doing().as_str()), (0, "undoing op 1 (stopped)"));
     rig.retract(true);
     assert!(rig.drives_back(1), "t7");
+    rig.wait_ms(1000);
+    let fault = rig.controller.fault_text(&rig.line);
+    assert!(fault.starts_with("undoing op 1: watchdog: "), "{fault}");
     rig.retract(false);
     rig.advance(true);
     assert!(rig.drives(1), "t10");
