@@ -178,7 +178,8 @@ fn what_cannot_be_reported_is_said_clearly() {
     };
     assert!(refused(&file(&scratch, "none.db")).contains("give the state directory of a run"));
     assert!(refused(&cell.join("cell.toml")).contains("is no database of a cell"));
-    assert!(refused(&cell).contains("has neither cell.db nor line.db"));
+    let given = "has neither cell.db nor line.db; give the state directory of a run (`run --state-dir DIR`)";
+    assert!(refused(&cell).contains(given));
     let for_lines = report(&db, &["--cycle", "3"]);
     assert!(unbroken(&for_lines).contains("are for lines; this database is about a cell"), "{for_lines:?}");
     let whole = std::fs::read(&db).unwrap();

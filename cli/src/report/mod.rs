@@ -94,8 +94,12 @@ fn database(path: &Path) -> miette::Result<PathBuf> {
     }
     let named = ["cell.db", "line.db"].map(|name| path.join(name));
     let found = named.into_iter().find(|file| file.is_file());
-    found
-        .ok_or_else(|| miette!("{} has neither cell.db nor line.db; give the state directory of a run", path.display()))
+    found.ok_or_else(|| {
+        miette!(
+            "{} has neither cell.db nor line.db; give the state directory of a run (`run --state-dir DIR`)",
+            path.display()
+        )
+    })
 }
 
 /// Runs the command.

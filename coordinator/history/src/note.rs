@@ -92,8 +92,8 @@ pub enum Note {
         #[serde(with = "micros")]
         to: Tick,
     },
-    /// The line has completed a cycle.
-    Cycle { number: i32, took_us: u64 },
+    /// The line has completed a cycle; without a time if its beginning or its end may have passed unheard.
+    Cycle { number: i32, took_us: Option<u64> },
     /// There was no other note for a while, and the line is still observed.
     Observed {},
     /// Information for operators.

@@ -427,7 +427,9 @@ impl CoordinatorLoop {
             CoordinatorEffect::Order { sequence } => self.send_order(sequence),
             CoordinatorEffect::Tell { sequence } => self.tell(now, sequence),
             CoordinatorEffect::Completed(cycle) => {
-                self.says.cycle_time.send(cycle_time_message(cycle));
+                if let Some(message) = cycle_time_message(cycle) {
+                    self.says.cycle_time.send(message);
+                }
                 self.history.iter_mut().for_each(|history| history.cycle(now, cycle));
             }
         }

@@ -41,9 +41,10 @@ pub struct CoordinatorPublishers {
     pub inputs: Vec<Option<Publisher<ProcessImage>>>,
 }
 
-/// The message about a cycle that has just been completed.
-pub fn cycle_time_message(cycle: CompletedCycle) -> CycleTime {
-    CycleTime { header: stamp(), number: cycle.number, duration_s: cycle.took.as_secs_f64() }
+/// The message about a cycle that has just been completed; none if it has no time.
+pub fn cycle_time_message(cycle: CompletedCycle) -> Option<CycleTime> {
+    let took = cycle.took?;
+    Some(CycleTime { header: stamp(), number: cycle.number, duration_s: took.as_secs_f64() })
 }
 
 /// The message with what keeps the mode.

@@ -125,7 +125,7 @@ fn the_database_of_a_line_begins_with_how_everything_stands_in_each_life() {
     let mut history = LineHistory::begin(dir.path(), &line, AT(5), None);
     assert!(history.situation(AT(10), &now), "it is written");
     assert!(history.situation(AT(11), &now), "nothing has changed");
-    history.cycle(AT(20), CompletedCycle { number: 7, took: std::time::Duration::from_millis(3600) });
+    history.cycle(AT(20), CompletedCycle { number: 7, took: Some(std::time::Duration::from_millis(3600)) });
     history.end(AT(30));
     now.heard[1] = false;
     let mut history = LineHistory::begin(dir.path(), &line, AT(0), None);
@@ -150,7 +150,7 @@ fn the_database_of_a_line_begins_with_how_everything_stands_in_each_life() {
     let expected = [
         Note::Began {},
         mode(),
-        Note::Cycle { number: 7, took_us: 3_600_000 },
+        Note::Cycle { number: 7, took_us: Some(3_600_000) },
         Note::Observed {},
         Note::Began {},
         mode(),
@@ -199,7 +199,7 @@ fn a_line_goes_on_while_its_database_cannot_be_used_and_is_recorded_when_it_can(
     let mut history = LineHistory::begin(dir.path(), &line, AT(0), None);
     let now = in_auto(&line);
     assert!(history.situation(AT(1), &now), "the line is observed");
-    history.cycle(AT(2), CompletedCycle { number: 7, took: std::time::Duration::from_millis(3600) });
+    history.cycle(AT(2), CompletedCycle { number: 7, took: Some(std::time::Duration::from_millis(3600)) });
     std::thread::sleep(std::time::Duration::from_millis(300));
     std::fs::rename(&path, dir.path().join("other.db")).expect("moved away");
     let mut is_recorded = |at: &u64| {

@@ -36,7 +36,7 @@ fn a_completed_cycle_is_an_effect_once() {
     let numbers: Vec<i32> = told.iter().map(|cycle| cycle.number).collect();
     assert_eq!(numbers, [1, 2]);
     // Eleven periods of 50 ms from end to end.
-    assert_eq!(told[1].took, Duration::from_millis(550));
+    assert_eq!(told[1].took, Some(Duration::from_millis(550)));
 }
 
 /// The last report of the cycle and the command that ends production are taken in at once, and the record of the mode takes
@@ -71,7 +71,6 @@ fn a_cycle_that_ended_while_the_process_stood_still_has_no_time() {
     rig.refresh();
     stand(&mut rig, 1, true);
     rig.now = rig.now + Duration::from_secs(2);
-    for _ in 0..5 {
-        assert_eq!(cycles(&rig.refresh()), []);
-    }
+    let ended: Vec<CompletedCycle> = (0..5).flat_map(|_| cycles(&rig.refresh())).collect();
+    assert_eq!(ended, [CompletedCycle { number: 1, took: None }]);
 }

@@ -37,8 +37,8 @@ fn line(source: &LineSource, to: &mut Recording) -> Result<(), McapError> {
     }
     let planned = source.report.figures.planned_run_time.map(|time| time.as_secs_f64());
     for cycle in &source.report.cycles {
-        let took = cycle.took.as_secs_f64();
-        let message = json!({"number": cycle.number, "duration_s": took, "planned_s": planned});
+        let Some(took) = cycle.took else { continue };
+        let message = json!({"number": cycle.number, "duration_s": took.as_secs_f64(), "planned_s": planned});
         to.say("/cycle_time", Schema::CycleTime, cycle.ended, &message)?;
     }
     Ok(())

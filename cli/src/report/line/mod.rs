@@ -124,8 +124,12 @@ impl LineSource {
         let (report, planned) = (&self.report, self.report.figures.planned_run_time);
         let planned =
             planned.map_or_else(String::new, |planned| format!("; planned: {:.3} s each", planned.as_secs_f64()));
-        let _ = writeln!(text, "{} cycles have ended{planned}", report.cycles.len());
-        if report.cycles.is_empty() {
+        let without = match report.without_time() {
+            0 => String::new(),
+            count => format!(", {count} of them without a time"),
+        };
+        let _ = writeln!(text, "{} cycles have ended{without}{planned}", report.cycles.len());
+        if report.cycle_time.count == 0 {
             return;
         }
         let _ = writeln!(
@@ -297,10 +301,11 @@ mod tests {
             (100, Note::Station { station: 0, lost: true }),
             (103, Note::Station { station: 0, lost: false }),
             (104, mode("auto", true)),
-            (106, Note::Cycle { number: 1, took_us: 1_000_000 }),
+            (106, Note::Cycle { number: 1, took_us: Some(1_000_000) }),
             (110, Note::Observed {}),
             (210, Note::Began {}),
             (210, mode("auto", true)),
+            (215, Note::Cycle { number: 2, took_us: None }),
             (220, mode("stand-by", false)),
             (225, Note::Observed {}),
         ] {
@@ -311,6 +316,21 @@ mod tests {
         let span = reader.span().expect("it can be read").expect("something has happened");
         let args = Command::parse_from(["report", "line.db"]).args;
         LineSource::read(reader, about, span, Zone::Utc, &args).expect("a line's")
+    }
+
+    /// A cycle without a time is counted, and is none of the times.
+    #[test]
+    fn a_cycle_without_a_time_is_one_of_the_cycles_and_none_of_their_times() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let source = source(dir.path());
+        let text = source.text();
+        assert!(text.contains("2 cycles have ended, 1 of them without a time; planned: 2.000 s each\n"), "{text}");
+        assert!(text.contains("produced PQ 2 cycles\n"), "{text}");
+        let json = serde_json::to_value(tables::LineReportJson::new(&source)).expect("an object");
+        assert_eq!((&json["cycles"]["without_time"], &json["cycles"]["time_s"]["count"]), (&1.into(), &1.into()));
+        tables::csv(&source, dir.path()).expect("tables are written");
+        let cycles = std::fs::read_to_string(dir.path().join("cycle.csv")).expect("a table");
+        assert_eq!(cycles.lines().nth(2), Some("2,1970-01-01T00:03:35.000Z,215000000,,2.0"), "{cycles}");
     }
 
     /// Start-up and times without a record are listed apart from stops, and each figure has a line of the legend.

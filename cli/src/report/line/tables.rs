@@ -48,6 +48,8 @@ struct JsonUnrecorded {
 #[derive(Serialize)]
 struct JsonCycles {
     planned_s: Option<f64>,
+    /// Cycles whose beginning or end may have passed unheard; `time_s` has the others.
+    without_time: usize,
     time_s: JsonSpread,
     trend: Vec<JsonTrend>,
 }
@@ -181,6 +183,7 @@ impl LineReportJson {
             gaps: gaps.collect(),
             cycles: JsonCycles {
                 planned_s: report.figures.planned_run_time.map(in_seconds),
+                without_time: report.without_time(),
                 time_s: (&report.cycle_time).into(),
                 trend: report.trend.iter().map(trend).collect(),
             },
@@ -285,7 +288,8 @@ struct CycleRow {
     number: i32,
     ended: String,
     ended_us: u64,
-    duration_s: f64,
+    /// Empty where its beginning or its end may have passed unheard.
+    duration_s: Option<f64>,
     planned_s: Option<f64>,
 }
 
@@ -333,7 +337,7 @@ pub fn csv(source: &LineSource, dir: &Path) -> miette::Result<()> {
         number: cycle.number,
         ended: source.show(cycle.ended),
         ended_us: cycle.ended.as_micros(),
-        duration_s: in_seconds(cycle.took),
+        duration_s: cycle.took.map(in_seconds),
         planned_s,
     });
     table(dir, "cycle.csv", cycles)?;

@@ -112,8 +112,10 @@ pub struct LineWait {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LineCycle {
     pub number: i32,
+    /// When it was heard that it had ended.
     pub ended: Tick,
-    pub took: Duration,
+    /// None if its beginning or its end may have passed unheard.
+    pub took: Option<Duration>,
 }
 
 /// Notes of a span that could not be written.
@@ -240,7 +242,7 @@ impl LineTracking {
                 }
             }
             &Note::Cycle { number, took_us } => {
-                self.cycles.push(LineCycle { number, ended: at, took: Duration::from_micros(took_us) });
+                self.cycles.push(LineCycle { number, ended: at, took: took_us.map(Duration::from_micros) });
             }
             Note::EmergencyStop { .. }
             | Note::Planned { .. }

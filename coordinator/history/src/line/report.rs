@@ -123,6 +123,11 @@ pub struct LineReport {
 }
 
 impl LineReport {
+    /// Number of cycles whose beginning or end may have passed unheard.
+    pub fn without_time(&self) -> usize {
+        self.cycles.iter().filter(|cycle| cycle.took.is_none()).count()
+    }
+
     pub fn observed(&self) -> Duration {
         self.span.1.since(self.span.0)
     }
@@ -177,7 +182,7 @@ impl LineTracking {
             start_up: is(&LineState::StartUp).total(),
             unrecorded: recorded.total(),
             gaps: self.gaps.iter().filter(|gap| gap.span.1 >= span.0 && gap.span.0 <= span.1).copied().collect(),
-            cycle_time: Spread::of(cycles.iter().map(|cycle| cycle.took).collect()),
+            cycle_time: Spread::of(cycles.iter().filter_map(|cycle| cycle.took).collect()),
             trend: trend(span, &cycles),
             stations: stations.map(|(of, track)| station(&of.name, track, &producing, span)).collect(),
             figures: self.figures(&producing, delay, &cycles, asked),
@@ -202,7 +207,13 @@ impl LineTracking {
             // Each cycle for itself: one that was faster makes up for no other.
             Some(planned) => {
                 let mut rest = producing.clone();
-                let ran = |cycle: &LineCycle| rest.take(&Spans::of([(cycle.ended - cycle.took, cycle.ended)]));
+                let mut last_end = Tick::ZERO;
+                let ran = |cycle: &LineCycle| {
+                    // One without a time began at the end of the one before, or is of what is not recorded.
+                    let began = cycle.took.map_or(last_end, |took| cycle.ended - took);
+                    last_end = cycle.ended;
+                    rest.take(&Spans::of([(began, cycle.ended)]))
+                };
                 let ran: Duration = cycles.iter().map(ran).map(|ran: Duration| ran.min(planned)).sum();
                 share(ran, production, never)
             }
@@ -330,7 +341,8 @@ fn station(name: &str, track: &StationTrack, producing: &Spans, span: Stretch) -
 }
 
 fn trend(span: Stretch, cycles: &[LineCycle]) -> Vec<TrendPart> {
-    let parts = cycles.len().min(TREND_PARTS_MAX) as u64;
+    let timed = || cycles.iter().filter_map(|cycle| Some((cycle.ended, cycle.took?)));
+    let parts = timed().count().min(TREND_PARTS_MAX) as u64;
     let micros = span.1.since(span.0).as_micros() as u64;
     if parts < 2 || micros < parts {
         return Vec::new();
@@ -338,8 +350,8 @@ fn trend(span: Stretch, cycles: &[LineCycle]) -> Vec<TrendPart> {
     let at = |part: u64| span.0 + Duration::from_micros(micros / parts * part);
     let part = |number: u64| {
         let span = (at(number), if number + 1 == parts { span.1 } else { at(number + 1) });
-        let own = cycles.iter().filter(|cycle| cycle.ended > span.0 && cycle.ended <= span.1);
-        TrendPart { span, times: Spread::of(own.map(|cycle| cycle.took).collect()) }
+        let own = timed().filter(|(ended, _)| *ended > span.0 && *ended <= span.1);
+        TrendPart { span, times: Spread::of(own.map(|(_, took)| took).collect()) }
     };
     (0..parts).map(part).collect()
 }

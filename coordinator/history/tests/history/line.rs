@@ -63,7 +63,7 @@ fn example() -> Vec<(u64, Note)> {
         (10_000, waited(0, "clamp: close (cycle 1), for lower", 8_000, 10_000)),
         (14_000, motion(0, 1, 1, (10_000, 14_000), MotionOutcome::Done)),
         (14_000, waited(1, "bar: lift (cycle 2), for close", 10_000, 14_000)),
-        (15_000, Note::Cycle { number: 1, took_us: 10_000_000 }),
+        (15_000, Note::Cycle { number: 1, took_us: Some(10_000_000) }),
         // 5 s of the second cycle: 3 s until the fault, 2 s after it. 7 s of fault.
         (18_000, motion(0, 0, 2, (15_000, 18_000), MotionOutcome::Stopped)),
         (18_000, fault(0, "lift: watchdog")),
@@ -72,7 +72,7 @@ fn example() -> Vec<(u64, Note)> {
         (21_000, fault(0, "")),
         (24_000, mode("auto", false)),
         (25_000, mode("auto", true)),
-        (27_000, Note::Cycle { number: 2, took_us: 12_000_000 }),
+        (27_000, Note::Cycle { number: 2, took_us: Some(12_000_000) }),
         // 3 s of emergency stop, reset in manual; then home.
         (30_000, mode("e-stop", false)),
         (31_000, mode("manual", false)),
@@ -81,6 +81,8 @@ fn example() -> Vec<(u64, Note)> {
         // Killed; 5 s of which nothing is known.
         (40_000, Note::Began {}),
         (40_000, mode("auto", true)),
+        // It was under way at the kill.
+        (41_500, Note::Cycle { number: 3, took_us: None }),
         (42_000, Note::Observed {}),
     ]
 }
@@ -117,14 +119,15 @@ fn an_example_by_hand() {
     let wait = &clamp.waits[0];
     assert_eq!((wait.why.as_str(), wait.times, wait.total), ("bar: lift, for close", 2, MS(7_000)));
     assert_eq!(report.cycle_time.total, MS(22_000));
-    // The first cycle ran 10 s and counts 8, the second 3 + 2.
+    // The first cycle ran 10 s and counts 8, the second 3 + 2, the third 3 before the coordinator was killed and 1.5 after it.
     let of = &report.figures;
-    assert_eq!((of.produced, of.production, of.delay, of.busy()), (2, MS(20_000), MS(10_000), MS(30_000)));
+    assert_eq!((of.produced, report.without_time()), (3, 1));
+    assert_eq!((of.production, of.delay, of.busy()), (MS(20_000), MS(10_000), MS(30_000)));
     assert_eq!(of.utilization_efficiency, Ok(20.0 / 30.0));
     assert_eq!(of.availability, Ok(0.5));
-    assert_eq!(of.effectiveness, Ok(13.0 / 20.0));
-    assert_eq!(of.quality_ratio, Ok(0.5));
-    assert_eq!(of.oee, Ok(0.5 * (13.0 / 20.0) * 0.5));
+    assert_eq!(of.effectiveness, Ok(17.5 / 20.0));
+    assert_eq!(of.quality_ratio, Ok(2.0 / 3.0));
+    assert_eq!(of.oee, Ok(0.5 * (17.5 / 20.0) * (2.0 / 3.0)));
 }
 
 #[test]
@@ -134,7 +137,7 @@ fn what_cannot_be_known_is_left_out_with_its_reason() {
     assert!(of.availability.unwrap_err().contains("PBT"));
     assert!(of.quality_ratio.unwrap_err().contains("GQ"));
     assert!(of.oee.is_err() && of.effectiveness.is_ok());
-    let asked = ReportParameters { planned_busy: Some(MS(19_000)), rejected: Some(3) };
+    let asked = ReportParameters { planned_busy: Some(MS(19_000)), rejected: Some(4) };
     let of = tracking.report((AT(1_000), AT(42_000)), &asked).figures;
     assert!(of.availability.unwrap_err().contains("less than"), "not over 100 %");
     assert!(of.quality_ratio.unwrap_err().contains("more were rejected"));
@@ -202,7 +205,7 @@ fn parts_sum_to_the_whole_and_nothing_is_over_100_percent() {
                     7 => motion(station, other, number, (from, now), MotionOutcome::Done),
                     8 => motion(station, other, number, (from, now), MotionOutcome::Stopped),
                     9 => waited(station, ["a", "b", "c", "d"][usize::from(other)], from, now),
-                    _ => Note::Cycle { number, took_us: below(9_000_000) },
+                    _ => Note::Cycle { number, took_us: (below(4) > 0).then(|| below(9_000_000)) },
                 },
             ));
         }

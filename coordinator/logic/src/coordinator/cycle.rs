@@ -5,7 +5,7 @@
 //! there. Faults and stops on the way are part of it. Task-driven stations have no cycles and do not count.
 //!
 //! Times are those of the arrival of reports. Where a beginning or an end may have passed unreported (after a start of
-//! the coordinator, or of a station that was stale) the cycle has no time, and is not published.
+//! the coordinator, or of a station that was stale) the cycle has no time: it is counted, and not published.
 
 use std::time::Duration;
 
@@ -18,15 +18,16 @@ use super::{Coordinator, StationEntry};
 pub struct CompletedCycle {
     /// Number of times each station has come home since the line first started: the least of their rounds.
     pub number: i32,
-    /// From the end of the cycle before, or from when motion was enabled at home.
-    pub took: Duration,
+    /// From the end of the cycle before, or from when motion was enabled at home; none where its beginning or its end may have
+    /// passed unreported.
+    pub took: Option<Duration>,
 }
 
 /// The cycle that the line is in.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct OpenCycle {
-    /// Number of the last completed cycle, as of the last time all rounds were known.
-    completed: i32,
+    /// Number of the last completed cycle, as of the last time all rounds were known; `None` before the first.
+    completed: Option<i32>,
     /// Beginning; `None` if that was not received.
     began: Option<Tick>,
 }
@@ -46,7 +47,7 @@ impl Coordinator {
         let completed = self.latest_round();
         let at_end = |station: &StationEntry| station.heard.at_home && station.heard.round == completed;
         if self.knows_rounds() && self.cyclic().all(at_end) {
-            self.cycle = OpenCycle { completed, began: Some(self.now) };
+            self.cycle = OpenCycle { completed: Some(completed), began: Some(self.now) };
         }
     }
 
@@ -56,13 +57,15 @@ impl Coordinator {
         let ended = |station: &StationEntry| station.heard.round.saturating_sub(i32::from(!station.heard.at_home));
         let Some(number) = self.cyclic().map(ended).min() else { return };
         let OpenCycle { completed, began } = self.cycle;
-        if number == completed || !self.knows_rounds() {
+        if completed == Some(number) || !self.knows_rounds() {
             return;
         }
-        let is_end = knew_rounds && completed.checked_add(1) == Some(number);
-        self.cycle = OpenCycle { completed: number, began: is_end.then_some(self.now) };
-        if let Some(began) = began.filter(|_| is_end) {
-            self.cycles.push(CompletedCycle { number, took: self.now.since(began) });
+        let is_next = completed.and_then(|completed| completed.checked_add(1)) == Some(number);
+        let is_end_heard = is_next && knew_rounds;
+        self.cycle = OpenCycle { completed: Some(number), began: is_end_heard.then_some(self.now) };
+        if is_next {
+            let took = began.filter(|_| is_end_heard).map(|began| self.now.since(began));
+            self.cycles.push(CompletedCycle { number, took });
         }
     }
 }

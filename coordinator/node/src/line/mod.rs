@@ -145,7 +145,7 @@ impl LineHistory {
 
     /// The line has completed a cycle.
     pub fn cycle(&mut self, now: Tick, cycle: CompletedCycle) {
-        let took_us = u64::try_from(cycle.took.as_micros()).unwrap_or(u64::MAX);
+        let took_us = cycle.took.map(|took| u64::try_from(took.as_micros()).unwrap_or(u64::MAX));
         self.notes.push(Note::Cycle { number: cycle.number, took_us });
         self.offer(now);
     }

@@ -1,6 +1,7 @@
 //! Drives: what their targets, and the operations that use them, must agree on.
 
 use std::collections::HashMap;
+use std::time::Duration;
 
 use linewright_text::{Located, Problem, Report, TextRange};
 
@@ -30,7 +31,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
                 let station = &draft.stations[id.index()];
                 motions_end_at_their_targets(drive, raw_drive, station, report);
                 axes_are_moved_by_their_drive(drive, raw_drive, station, report);
-                watchdogs_leave_time(drive, raw_drive, station, report);
+                drives_take_their_time(drive, raw_drive, station, report);
                 watchdogs_leave_time_to_home(drive, raw_drive, station, report);
             }
             Some(Owner::Console) => report.add(
@@ -280,8 +281,11 @@ fn axes_are_moved_by_their_drive(drive: &DraftDrive, raw: &RawDrive, station: &D
     }
 }
 
-/// The drive must be able to make the way in the time the watchdog leaves.
-fn watchdogs_leave_time(drive: &DraftDrive, raw: &RawDrive, station: &DraftStation<'_>, report: &mut Report) {
+/// A drive that takes less than this part of the planned time: one of the two numbers is wrong.
+const FAR_TOO_FAST: f64 = 0.25;
+
+/// The drive must be able to make the way in the time the watchdog leaves, and takes about as long as is planned.
+fn drives_take_their_time(drive: &DraftDrive, raw: &RawDrive, station: &DraftStation<'_>, report: &mut Report) {
     let (DriveMode::Position, Some(velocity), Some(acceleration)) = (raw.mode, &raw.velocity, &raw.acceleration) else {
         return;
     };
@@ -291,35 +295,77 @@ fn watchdogs_leave_time(drive: &DraftDrive, raw: &RawDrive, station: &DraftStati
     };
     for operation in &station.operations {
         let Some(motion) = &operation.motion else { continue };
-        let recovery = operation.raw.recovery.as_ref().and_then(|recovery| recovery.watchdog.as_ref());
-        let watchdogs = [operation.raw.watchdog.as_ref(), recovery.or(operation.raw.watchdog.as_ref())];
+        let (own, recovery) = (operation.raw, operation.raw.recovery.as_ref());
+        let watchdog = recovery.and_then(|of| of.watchdog.as_ref()).or(own.watchdog.as_ref());
+        let duration = recovery.and_then(|of| of.duration.as_ref()).or(own.duration.as_ref());
+        let limits = [(own.watchdog.as_ref(), own.duration.as_ref()), (watchdog, duration)];
+        // Both motions at one velocity and with one time are one mistake.
         let mut reported: Vec<(TextRange, TextRange)> = Vec::new();
-        for (nth, ((signals, _), watchdog)) in operation.motions().zip(watchdogs).enumerate() {
-            let (Some(actuator), Some(watchdog)) = (&signals.actuator, watchdog) else { continue };
+        for (nth, ((signals, _), (watchdog, duration))) in operation.motions().zip(limits).enumerate() {
+            let (Some(actuator), Some(watchdog), Some(duration)) = (&signals.actuator, watchdog, duration) else {
+                continue;
+            };
             let Some(target) = target_of(actuator.value) else { continue };
             let velocity = target.and_then(|target| target.velocity.as_ref()).unwrap_or(velocity);
             let way = operation.by().map_or(motion.value.to - motion.value.from, |by| by.value);
-            let takes = trapezoid_time(way, velocity.value, acceleration.value);
-            // Both motions at one velocity and with one watchdog are one mistake.
-            let places = (watchdog.at.clone(), velocity.at.clone());
-            if takes >= watchdog.value.as_secs_f64() && !reported.contains(&places) {
+            let name = format!("{}`{}`", if nth == 0 { "" } else { "the recovery motion of " }, operation.name);
+            let motion = DrivenMotion { name, way, velocity, acceleration };
+            let Some((problem, places)) = motion.late(watchdog).or_else(|| motion.far_too_fast(duration)) else {
+                continue;
+            };
+            if !reported.contains(&places) {
                 reported.push(places);
-                let motion = if nth == 0 { "" } else { "the recovery motion of " };
-                let limit = watchdog.value.as_secs_f64();
-                report.add(
-                    Problem::error(
-                        watchdog.at.clone(),
-                        format!(
-                            "the watchdog of {motion}`{}` is {limit} s, but the drive takes {takes:.3} s",
-                            operation.name
-                        ),
-                    )
-                    .label("too short")
-                    .also(&velocity.at, "at this velocity")
-                    .hint("a longer watchdog, or a faster drive"),
-                );
+                report.add(problem);
             }
         }
+    }
+}
+
+/// A motion that a drive makes.
+struct DrivenMotion<'r> {
+    name: String,
+    way: f64,
+    velocity: &'r Located<f64>,
+    acceleration: &'r Located<f64>,
+}
+
+impl DrivenMotion<'_> {
+    fn takes(&self) -> f64 {
+        trapezoid_time(self.way, self.velocity.value, self.acceleration.value)
+    }
+
+    /// It takes longer than its watchdog: the problem, and the places of the two numbers.
+    fn late(&self, watchdog: &Located<Duration>) -> Option<(Problem, (TextRange, TextRange))> {
+        let (takes, limit) = (self.takes(), watchdog.value.as_secs_f64());
+        if takes < limit {
+            return None;
+        }
+        let is_in_time = |velocity, acceleration| trapezoid_time(self.way, velocity, acceleration) < limit;
+        // The acceleration alone: no velocity would do, and this one would with another acceleration.
+        let by_acceleration =
+            is_in_time(self.velocity.value, f64::INFINITY) && !is_in_time(f64::INFINITY, self.acceleration.value);
+        let (at, mark, hint) = if by_acceleration {
+            (&self.acceleration.at, "at this acceleration", "a longer watchdog, or a greater `acceleration`")
+        } else {
+            (&self.velocity.at, "at this velocity", "a longer watchdog, or a faster drive")
+        };
+        let message = format!("the watchdog of {} is {limit} s, but the drive takes {takes:.3} s", self.name);
+        let problem = Problem::error(watchdog.at.clone(), message).label("too short").also(at, mark).hint(hint);
+        Some((problem, (watchdog.at.clone(), at.clone())))
+    }
+
+    /// It takes far less than is planned: the problem, and the places of the two numbers.
+    fn far_too_fast(&self, duration: &Located<Duration>) -> Option<(Problem, (TextRange, TextRange))> {
+        let (takes, planned) = (self.takes(), duration.value.as_secs_f64());
+        if takes >= planned * FAR_TOO_FAST {
+            return None;
+        }
+        let message = format!("the drive takes {takes:.3} s for {}, `duration_s` says {planned} s", self.name);
+        let problem = Problem::warning(self.velocity.at.clone(), message)
+            .label("at this velocity")
+            .also(&duration.at, "planned")
+            .hint("if the drive is to be so fast, plan what it takes; else write its velocity in units per second");
+        Some((problem, (duration.at.clone(), self.velocity.at.clone())))
     }
 }
 

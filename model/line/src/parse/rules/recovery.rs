@@ -33,13 +33,19 @@ pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, repor
                         .hint("name the reversible operations before it that lead home"),
                 );
             } else if is_home {
+                // An empty path is a problem as well.
+                let hint = if operation.path.len() == 1 {
+                    "put another operation here, one that is taken back; this one always follows at the end of the path"
+                } else {
+                    "leave it out: it always follows at the end of the path"
+                };
                 report.add(
                     problem(format!(
                         "the recovery path of `{}` names {}",
                         operation.name,
                         if station.is_task_driven() { "the last operation of its task" } else { "the home operation" }
                     ))
-                    .hint("leave it out: it always follows at the end of the path"),
+                    .hint(hint),
                 );
             } else if other.kind() == Some(ModuleKind::Irreversible) {
                 report.add(
