@@ -69,7 +69,7 @@ impl CoordinatorLoop {
                     let Some(arrived) = arrived else { return Err(CoordinatorNodeError::Middleware) };
                     let is_stop = is_emergency_stop(&arrived);
                     if let CoordinatorInbound::Outputs(station, image) = &arrived {
-                        // It only takes away: of one of another description nothing is put out later either.
+                        // Only what is on already stays on, so an image of another description switches nothing on.
                         let wanted = if image.valid { image.word() } else { 0 };
                         if let Some(staying) = self.shell.keep_only(*station, wanted) {
                             self.buses.set_outputs(Owner::Station(*station), staying);

@@ -42,10 +42,17 @@ pub(super) fn sensors_of(line: &Line, station: StationId) -> u128 {
     waits.fold(0, |bits, input| bits | input.bit())
 }
 
-/// The outputs that carry the parameters of the order it has.
+/// The outputs that carry the parameters of the order it has; of the task that it stands within, where a person leads it.
 pub(super) fn parameters(line: &Line, station: StationId, situation: &Situation) -> u128 {
-    let Some(slot) = situation.controller.report().order.and_then(|order| order.slot) else { return 0 };
-    let bits = line.station(station).task(slot.task).parameters.iter().flat_map(|parameter| &parameter.bits);
+    let Some(order) = situation.controller.report().order else { return 0 };
+    let described = line.station(station);
+    let is_led = matches!(situation.mode, ControlMode::Hand | ControlMode::Manual) && order.rest.is_none();
+    let within = || {
+        let step = described.step_of(situation.controller.marking().next()?.op);
+        described.task_ids().find(|&task| described.task(task).steps.contains(&step))
+    };
+    let task = order.slot.map(|slot| slot.task).or_else(|| within().filter(|_| is_led));
+    let bits = task.into_iter().flat_map(|task| &described.task(task).parameters).flat_map(|parameter| &parameter.bits);
     bits.fold(0, |bits, output| bits | output.bit())
 }
 

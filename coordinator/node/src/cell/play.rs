@@ -91,6 +91,8 @@ pub struct CellThread {
 /// Period of publication of an unchanged state; shortest time between two publications.
 const TELL_EVERY: Duration = Duration::from_secs(1);
 const TELL_AT_MOST_EVERY: Duration = Duration::from_millis(100);
+/// The thread has stood if it is called so late. Shorter than reports are of use, longer than a busy machine holds it up.
+const STANDSTILL: Duration = Duration::from_secs(1);
 
 /// Factor on the time that makes a view stale: a station with an order whose state is older than that is lost. Its mode
 /// does not wait for that; a process that is started again meanwhile reports itself what has become of its order.
@@ -292,7 +294,7 @@ impl CellLoop {
             while let Ok(news) = self.from.try_recv() {
                 self.take(news);
             }
-            if self.now() > expected + self.line.timing.stale {
+            if self.now() > expected + STANDSTILL {
                 self.stood();
             }
         }
@@ -360,7 +362,7 @@ impl CellLoop {
                 self.perform(now, out)?;
             }
         }
-        // Nothing is kept for later either.
+        // While nothing can be written nothing is taken, and nothing is kept for later.
         if let Some(trouble) = self.log.as_ref().filter(|log| log.is_halted()).and_then(CellLogKeeper::trouble) {
             self.drop_arrivals(&trouble);
         }
