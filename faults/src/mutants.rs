@@ -65,7 +65,7 @@ mutants! {
     LeaseOfStrangers, Some(169), "an order holds for as long as it says";
     NumbersIgnored, Some(6), "messages are taken in the order of their arrival, whatever their number";
     StaleViewBelieved, Some(274), "a station's state holds until the next one arrives";
-    ClockStands, None, "the clock stands while the machine sleeps";
+    ClockStands, Some(123_235), "the clock stands while the machine sleeps";
     GapUnseen, Some(54), "after a standstill what was received before it counts as new";
     // The gateway and the devices.
     GatewayAgeIgnored, Some(12), "a station's outputs hold at the gateway until the next ones arrive";
