@@ -41,8 +41,8 @@ impl Controller {
             self.views.generation = 0;
         }
         self.agreement.next_request = snapshot.next_request;
-        if let (Some(orders), Some(kept)) = (&mut self.orders, snapshot.order) {
-            **orders = OrderSlot::restored(kept);
+        if let (Some(orders), Some(kept), Some(tasks)) = (&mut self.orders, snapshot.order, &self.program.tasks) {
+            **orders = OrderSlot::restored(kept, tasks);
         }
         Ok(())
     }

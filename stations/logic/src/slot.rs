@@ -44,6 +44,7 @@ use crate::order::{
 };
 use crate::program::{bit, task_bit};
 use crate::rules::OrderRules;
+use crate::tasks::StationTasks;
 
 /// The orders of a task-driven station.
 #[derive(Clone, Debug, Default)]
@@ -174,15 +175,20 @@ impl OrderSlot {
         }
     }
 
-    /// State of a station that comes up, from its record.
-    pub fn restored(kept: OrderMemory) -> Self {
+    /// State of a station that comes up, from its record. The record may be of before a change of the wiring: of its parameters those outputs
+    /// are taken that carry parameters of the task now.
+    pub fn restored(kept: OrderMemory, tasks: &StationTasks) -> Self {
+        let parameters = kept.parameters.and_then(|(task, image)| {
+            let bits = tasks.tasks.get(task.index())?.parameters.iter().flat_map(|parameter| &parameter.bits);
+            Some((task, image & bits.fold(0, |bits, output| bits | output.bit())))
+        });
         let mut orders = OrderSlot {
             memory: kept.memory,
             epoch: kept.epoch,
             last: kept.last,
             results: kept.results,
             secured: kept.secured,
-            parameters: kept.parameters,
+            parameters,
             ..OrderSlot::default()
         };
         let surplus = orders.results.len().saturating_sub(RESULTS_MAX);
@@ -338,12 +344,6 @@ impl Controller {
     /// restart before a mode was given.
     pub(crate) fn parameter_outputs(&self) -> u128 {
         let Some((task, image)) = self.orders.as_ref().and_then(|orders| orders.parameters) else { return 0 };
-        let Some(described) = self.program.tasks.as_ref().and_then(|tasks| tasks.tasks.get(task.index())) else {
-            return 0;
-        };
-        // A record may be of before a change of the wiring: nothing but parameters is put out.
-        let bits = described.parameters.iter().flat_map(|parameter| &parameter.bits);
-        let image = image & bits.fold(0, |bits, output| bits | output.bit());
         let is_within = || self.marking().next().is_some_and(|place| self.task_of(place.op) == Some(task));
         match self.commands.mode() {
             ControlMode::EStop => 0,
