@@ -207,7 +207,8 @@ fn silence(bus: &Bus) -> String {
     format!("nothing was received in {} s on {}: {why}", SILENT.as_secs(), bus.describe())
 }
 
-/// Hands over frames until there are enough, the taker has enough, or Ctrl-C. Says once that nothing is received.
+/// Calls `take` with each frame received: until `count` frames, `false` from `take`, or Ctrl-C. Prints one remark if no frame is
+/// received within `SILENT`.
 async fn each(bus: &mut Bus, count: Option<u64>, mut take: impl FnMut(&Frame) -> bool) -> miette::Result<()> {
     let mut interrupts = Interrupts::listen()?;
     let mut left = count.unwrap_or(u64::MAX);

@@ -5,7 +5,7 @@
 use linewright_recovery::StandingAlarm;
 use serde::Serialize;
 
-/// Beginnings of what is said of an answer, each with its verdict.
+/// First characters of the coordinator's remark on an answer, each with the verdict that it states.
 const VERDICTS: [(&str, AnswerFit); 3] = [
     ("fits the sensors", AnswerFit::Fits),
     ("contradicts the sensors: ", AnswerFit::Contradicts),
@@ -53,7 +53,7 @@ impl AnswerJson {
     }
 }
 
-/// The meaning, and what is said of it.
+/// Splits the text of an answer into its meaning and the coordinator's remark on the sensors; no remark where sensors show nothing.
 fn parted(text: &str) -> (&str, Option<&str>) {
     let begins = |said: &str| VERDICTS.iter().any(|(begin, _)| said.starts_with(begin));
     if begins(text) {
@@ -78,7 +78,7 @@ mod tests {
 
     const SECOND: Duration = Duration::from_secs(1);
 
-    /// Whatever the coordinator says of an answer.
+    /// For each verdict of the coordinator, with and without a meaning before it.
     #[test]
     fn a_verdict_is_read_as_it_was_written() {
         let line = include_str!("../../../launch-config/lines/workcell-c1/line.toml");

@@ -89,7 +89,7 @@ struct StepJson {
     arguments: Option<Vec<String>>,
     /// Of several commands the arguments of each; one is given, by what is so at the machine.
     choices: Vec<Vec<String>>,
-    /// Of an alarm what each choice says, in their order.
+    /// For a step that answers an alarm: each permitted answer with its meaning and verdict, in the order of `choices`.
     answers: Vec<AnswerJson>,
 }
 

@@ -158,7 +158,7 @@ mod tests {
         assert_eq!(failures.count(), 2);
     }
 
-    /// Whoever holds it longer only waits for the watchdog again.
+    /// Holding the button longer would end in the same fault of the watchdog.
     #[test]
     fn a_press_that_fails_twice_is_not_proposed_again_without_its_cause() {
         let mut failures = PressFailures::default();

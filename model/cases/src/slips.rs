@@ -14,7 +14,8 @@ const SIGNS: [&str; 24] = [
 /// Where, as a fraction, how many bytes are lost, and what is inserted.
 pub type Slip = (f64, usize, String);
 
-/// Up to three slips, with these words of the format among them.
+/// One to three random edits of a text. What they insert is a character, an identifier, one of `SIGNS`, or one of `words`: keywords
+/// of the format.
 pub fn slips(words: &[&'static str]) -> impl Strategy<Value = Vec<Slip>> + use<> {
     let signs = prop::sample::select([&SIGNS[..], words].concat()).prop_map(String::from);
     let inserted = prop_oneof![any::<char>().prop_map(String::from), "[a-z_]{1,6}", signs];

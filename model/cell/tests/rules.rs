@@ -88,8 +88,8 @@ fn a_machine_that_nothing_opens_without_a_part_is_reported() {
     assert_eq!(problems(C1, None), [], "without a line nothing is known of rests");
 }
 
-/// C1 with handshakes described the wrong way round: edits of its line, and what is reported of the first activities with
-/// such an order.
+/// Workcell C1 with errors put into its handshakes: each edit of the line's text, and the warnings about the activities whose orders
+/// cannot complete then.
 #[test]
 fn a_handshake_that_never_completes_is_reported() {
     const SWAPPED: (&str, &str) = ("the two sensors", "are swapped");
