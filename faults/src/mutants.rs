@@ -101,6 +101,7 @@ mutants! {
     CountsOff, Some(0), "the barrier of counts is off";
     BooleansInstead, Some(0), "the barrier of counts has Booleans instead of counts";
     StuckSwitchCompletes, Some(16), "a switch that sticks completes the motion to it";
+    ContradictionUnseen, Some(101_178), "one switch is believed, whatever those at the other places of its axis show";
     PositionsOff, Some(3), "the barrier of measured positions is off";
     BarriersOff, Some(0), "both barriers are off";
     EntryNotAsked, Some(76), "without a generation in common two stations start by measured positions on one report";
@@ -125,6 +126,7 @@ impl Mutant {
             Mutant::CountsOff => Rules { arrows: false, ..all },
             Mutant::BooleansInstead => Rules { counted: false, ..all },
             Mutant::StuckSwitchCompletes => Rules { seen_off: false, ..all },
+            Mutant::ContradictionUnseen => Rules { contradicted: false, ..all },
             Mutant::PositionsOff => Rules { positions: false, ..all },
             Mutant::BarriersOff => Rules { positions: false, arrows: false, ..all },
             Mutant::EntryNotAsked => Rules { entry: false, ..all },

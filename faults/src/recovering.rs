@@ -132,14 +132,12 @@ impl World {
             RecoveryAction::Press(station, button) => {
                 let (at, advance) = (station.index(), *button == PanelButton::Advance);
                 self.press(at, advance, true);
-                let longest = step.moves.iter().map(|motion| motion.time).max().unwrap_or_default();
-                self.run_for(longest.mul_f64(1.3) + Duration::from_millis(500));
+                self.run_for(step.hold(&self.line));
                 self.press(at, advance, false);
             }
             RecoveryAction::Resume => {
                 self.hold_resume(true);
-                let longest = step.moves.iter().map(|motion| motion.time).max().unwrap_or_default();
-                self.run_for(longest.mul_f64(1.3) + Duration::from_millis(500));
+                self.run_for(step.hold(&self.line));
                 self.hold_resume(false);
             }
             RecoveryAction::AutoAgain(station) | RecoveryAction::Hold { station, .. } => {

@@ -96,7 +96,7 @@ pub fn cause_from_code(code: u8, (station, op): (StationId, OpId)) -> Result<Sto
         StopCause::Ordered,
         StopCause::Restart,
         StopCause::NotAtHome,
-        StopCause::Interlock { station, input: None },
+        StopCause::Interlock { station, input: None, is_on: false },
         StopCause::PositionLost { op, input },
         StopCause::IndexDoubtful { op, input, places: None },
         StopCause::Ambiguous,

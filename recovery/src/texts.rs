@@ -247,7 +247,7 @@ impl RecoveryStep {
         }
     }
 
-    /// Time for which a panel's button is held.
+    /// Time for which a button is held; all motions one after the other where several follow, or may have to.
     ///
     /// Half as long again as the motion takes by the description, for what messages take, and longer than its watchdog: what still
     /// keeps the motion from its end is reported as a fault then, and not as a button that was released. Where nothing is to move the
@@ -258,16 +258,15 @@ impl RecoveryStep {
         let moved = self.moves.iter().map(|motion| watchdog(motion.station, motion.place.op));
         let after =
             self.after.iter().flat_map(|after| after.places.iter().map(|place| watchdog(after.station, place.op)));
-        match longest {
+        let one = match longest {
             Some(time) => (time * 3 / 2).max(moved.max().unwrap_or_default()) + Duration::from_millis(500),
             None => after.max().unwrap_or_default() + Duration::from_secs(1),
-        }
-    }
-
-    /// Seconds for which a button is held whose motions follow each other, or may have to.
-    fn hold_for_all(&self, line: &Line) -> f64 {
+        };
         let all: Duration = self.moves.iter().map(|motion| motion.time).sum();
-        (all * 3 / 2 + Duration::from_millis(500)).max(self.hold(line)).as_secs_f64()
+        match self.action {
+            RecoveryAction::Resume | RecoveryAction::Hold { .. } => one.max(all * 3 / 2 + Duration::from_millis(500)),
+            _ => one,
+        }
     }
 
     /// The commands of `linewright` for it, as arguments with `LINE` for the line. Of several one is given, by what is so at the
@@ -291,11 +290,11 @@ impl RecoveryStep {
                 words(&["press", "LINE", button.name(), "--station", &name(*station), "--for", &format!("{time:.1}")])
             }
             RecoveryAction::Hold { button, .. } => {
-                let time = self.hold_for_all(line);
+                let time = self.hold(line).as_secs_f64();
                 words(&["press", "LINE", &line.buttons[button.index()], "--for", &format!("{time:.1}")])
             }
             RecoveryAction::Resume => {
-                let time = self.hold_for_all(line);
+                let time = self.hold(line).as_secs_f64();
                 words(&["press", "LINE", "resume", "--for", &format!("{time:.1}")])
             }
             RecoveryAction::Selector(station, manual) => {

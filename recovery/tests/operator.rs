@@ -71,8 +71,8 @@ pub fn follow(sim: &mut LineSim, step: &RecoveryStep) {
         }
         RecoveryAction::Resume => {
             act(sim, OperatorAction::Resume(true));
-            let all: Duration = step.moves.iter().map(|motion| motion.time).sum();
-            run_for(sim, all.mul_f64(1.3) + Duration::from_millis(500));
+            let long = step.hold(sim.line());
+            run_for(sim, long);
             act(sim, OperatorAction::Resume(false));
         }
         RecoveryAction::Hold { button, .. } => {

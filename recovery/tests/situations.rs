@@ -232,7 +232,8 @@ fn force(sim: &mut LineSim, input: &str, on: Option<bool>) {
 }
 
 /// A switch of clamp 1 sticks until auto ends; return is held while it still does, and let go before the watchdog has run out.
-fn led_back_onto_a_switch_that_was_on(input: &str) -> LineSim {
+fn led_back_onto_a_switch_that_was_on() -> LineSim {
+    let input = "LS_open";
     let mut sim = in_auto(&transfer_line(), 1, Duration::ZERO);
     force(&mut sim, input, Some(true));
     while sim.mode() == ControlMode::Auto {
@@ -254,13 +255,30 @@ fn led_back_onto_a_switch_that_was_on(input: &str) -> LineSim {
 
 #[test]
 fn a_switch_that_was_on_before_the_motion_is_left_by_the_other_button() {
-    for input in ["LS_closed", "LS_open"] {
-        let mut sim = led_back_onto_a_switch_that_was_on(input);
-        let all = texts(&sim);
-        assert!(all[0].starts_with("clamp_1: hold advance until"), "{all:?}");
-        recover(&mut sim);
-        works_on(&mut sim);
-    }
+    let mut sim = led_back_onto_a_switch_that_was_on();
+    let all = texts(&sim);
+    assert!(all[0].starts_with("clamp_1: hold advance until"), "{all:?}");
+    recover(&mut sim);
+    works_on(&mut sim);
+}
+
+/// The clamp is open, and its switch for closed is on as well.
+#[test]
+fn a_switch_that_contradicts_where_a_station_stands_stops_the_one_that_relies_on_it() {
+    let mut sim = in_auto(&transfer_line(), 1, Duration::from_millis(500));
+    force(&mut sim, "LS_closed", Some(true));
+    run_for(&mut sim, Duration::from_secs(20));
+    assert_eq!(sim.mode(), ControlMode::StandBy);
+    let bar = sim.controller(StationId(0)).expect("it is up").report();
+    let stopped = bar.incomplete.first().expect("it was on its way").1;
+    assert!(
+        matches!(stopped, StopCause::Interlock { station: StationId(1), input: Some(_), is_on: true }),
+        "{stopped:?}"
+    );
+    force(&mut sim, "LS_closed", None);
+    run_for(&mut sim, Duration::from_secs(1));
+    recover(&mut sim);
+    works_on(&mut sim);
 }
 
 /// Somebody has moved clamp 1 by hand, from open to closed; its controller has it open.

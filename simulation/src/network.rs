@@ -42,6 +42,6 @@ pub(crate) fn links_of(line: &Line, options: &SimOptions) -> (Vec<Link>, Vec<Vec
 fn measured_by(line: &Line, writer: usize, reader: usize) -> Option<u128> {
     let sides = line.conflicts.iter().flat_map(|conflict| [(&conflict.a, &conflict.b), (&conflict.b, &conflict.a)]);
     let read = sides.filter(|(of, other)| of.station.index() == writer && other.station.index() == reader);
-    let inputs: Vec<u128> = read.map(|(of, _)| line.clearance(of).unwrap_or(0)).collect();
+    let inputs: Vec<u128> = read.map(|(of, _)| line.clearance(of).map_or(0, |clear| clear.all())).collect();
     (!inputs.is_empty()).then(|| inputs.iter().fold(0, |all, inputs| all | inputs))
 }

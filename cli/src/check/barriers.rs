@@ -75,9 +75,9 @@ fn of_conflict(
     for span in [&conflict.a, &conflict.b] {
         let station = line.station(span.station);
         match line.clearance(span) {
-            Ok(inputs) => {
-                barriers.measured.push(Clearance { station: station.name.clone(), inputs: named(line, span, inputs) })
-            }
+            Ok(inputs) => barriers
+                .measured
+                .push(Clearance { station: station.name.clone(), inputs: named(line, span, inputs.on) }),
             Err(why) => barriers.not_measured.push(why.text(station)),
         }
     }
@@ -117,7 +117,7 @@ fn what_to_change(line: &Line, conflict: &Conflict) -> String {
 /// A state that begins or ends with one operation of a group, while the switches are those of another one of it.
 fn beside_measured(line: &Line, span: &StateSpan, key: &str) -> Option<String> {
     let station = line.station(span.station);
-    let inputs = line.clearance(span).ok()?;
+    let inputs = line.clearance(span).ok()?.on;
     let end = if key == "from" { span.from } else { span.until };
     let is_measured = |op: OpId| {
         let operation = &station.operations[op.index()];

@@ -2,7 +2,7 @@
 //!
 //! A motion ends at a switch. Where the chart has an axis at rest, the switches of every motion that ends there are on. From
 //! this follow, for each marked place, the inputs that must be on ([`Station::rest_inputs`]), and for each side of a conflict
-//! the inputs that are all on outside it and never all on inside it ([`Line::clearance`]).
+//! the inputs that are all on outside it and never all on inside it, and those that contradict them ([`Line::clearance`]).
 //!
 //! No memory is involved: the same answer follows from the image alone, whatever a controller's state.
 
@@ -28,6 +28,32 @@ pub enum NoClearance {
     },
 }
 
+/// Inputs that measure a station outside a state of a conflict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ClearanceInputs {
+    /// All on wherever the station is outside the state, and never all on inside it. 0 where nothing measures it.
+    pub on: u128,
+    /// The switches at the other places of the same axes: where one of them is on, one of `on` sticks.
+    pub off: u128,
+}
+
+impl ClearanceInputs {
+    /// Whether an image measures the station outside the state.
+    pub fn hold(self, image: u128) -> bool {
+        self.wrong(image) == 0
+    }
+
+    /// The inputs that differ from what they are outside the state.
+    pub fn wrong(self, image: u128) -> u128 {
+        (image & (self.on | self.off)) ^ self.on
+    }
+
+    /// All inputs that are looked at.
+    pub fn all(self) -> u128 {
+        self.on | self.off
+    }
+}
+
 impl NoClearance {
     /// The reason, for a station of the line.
     pub fn text(&self, station: &Station) -> String {
@@ -51,6 +77,14 @@ impl Station {
         let here = self.completions().filter(|&(of, place, _)| of == axis && same_place(place, at));
         let bits = here.fold(0, |bits, (_, _, input)| bits | input);
         if bits.count_ones() == 1 { bits } else { 0 }
+    }
+
+    /// The switches of the axis at its other places, each of one place alone and of no other axis.
+    fn switches_elsewhere(&self, axis: AxisId, at: f64) -> u128 {
+        let (there, others): (Vec<_>, Vec<_>) =
+            self.completions().partition(|&(of, place, _)| of == axis && !same_place(place, at));
+        let of = |completions: &[(AxisId, f64, u128)]| completions.iter().fold(0, |bits, (_, _, input)| bits | input);
+        of(&there) & !of(&others)
     }
 
     /// The switch at the end that a motion leaves: while it is on, the motion has not come to its other end. 0 for a motion
@@ -212,7 +246,7 @@ impl Line {
     ///
     /// # Errors
     /// When there are no such switches; the reason contains what is not measured.
-    pub fn clearance(&self, span: &StateSpan) -> Result<u128, NoClearance> {
+    pub fn clearance(&self, span: &StateSpan) -> Result<ClearanceInputs, NoClearance> {
         let station = self.station(span.station);
         let before = station.positions_before_steps();
         let inside = station.steps_of_span(span);
@@ -261,6 +295,8 @@ impl Line {
                 return Err(NoClearance::NotSeen { op: station.steps[step][0] });
             }
         }
-        Ok(still.iter().fold(0, |bits, &axis| bits | station.switches_at(AxisId::at(axis), rest[axis])))
+        let on = still.iter().fold(0, |bits, &axis| bits | station.switches_at(AxisId::at(axis), rest[axis]));
+        let off = still.iter().fold(0, |bits, &axis| bits | station.switches_elsewhere(AxisId::at(axis), rest[axis]));
+        Ok(ClearanceInputs { on, off: off & !on })
     }
 }

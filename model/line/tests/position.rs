@@ -14,10 +14,20 @@ fn names(station: &Station, bits: u128) -> Vec<&str> {
 #[test]
 fn the_conflicts_of_the_shipped_line_are_told_by_one_switch_on_each_side() {
     let line = transfer_line();
-    let of = |span: &StateSpan| names(line.station(span.station), line.clearance(span).expect("measured")).join(" ");
+    let of = |span: &StateSpan| names(line.station(span.station), line.clearance(span).expect("measured").on).join(" ");
     let sides: Vec<(String, String)> = line.conflicts.iter().map(|c| (of(&c.a), of(&c.b))).collect();
     let pair = |a: &str, b: &str| (a.to_owned(), b.to_owned());
     assert_eq!(sides, [pair("LS_vertical_0", "LS_open"), pair("LS_positioning_0", "LS_closed")]);
+}
+
+#[test]
+fn a_clearance_is_contradicted_by_the_switches_at_the_other_places_of_the_same_axes() {
+    let line = transfer_line();
+    let of =
+        |span: &StateSpan| names(line.station(span.station), line.clearance(span).expect("measured").off).join(" ");
+    let sides: Vec<String> = line.conflicts.iter().flat_map(|c| [of(&c.a), of(&c.b)]).collect();
+    let vertical = "LS_vertical_50 LS_vertical_100 LS_vertical_150 LS_vertical_200";
+    assert_eq!(sides, [vertical, "LS_closed", "LS_positioning_80 LS_positioning_100", "LS_open"]);
 }
 
 #[test]
@@ -62,13 +72,13 @@ fn a_state_in_which_a_mechanism_returns_to_where_it_stands_outside_is_not_told_b
     let clamp = &line.stations[1];
     // All of its cycle but the rest at home: open at both ends, and open once more in no place between.
     let all = StateSpan { station: StationId(1), from: OpId(1), until: OpId(0) };
-    assert_eq!(names(clamp, line.clearance(&all).expect("measured")), ["LS_open"]);
+    assert_eq!(names(clamp, line.clearance(&all).expect("measured").on), ["LS_open"]);
     // The mill's main slide stands at 60 while the positioning slide returns to 0 inside this state.
     let mill = &line.stations[2];
     let op = |name| mill.operation_named(name).expect("it has it");
     let whole =
         StateSpan { station: StationId(2), from: op("rapid advance positioning slide"), until: op("reset main slide") };
-    let inputs = line.clearance(&whole).expect("the two slides together tell it");
+    let inputs = line.clearance(&whole).expect("the two slides together tell it").on;
     assert_eq!(names(mill, inputs), ["LS_positioning_0", "LS_main_0"]);
 }
 
@@ -77,7 +87,7 @@ fn a_table_is_told_from_under_way_by_the_switch_it_begins_and_ends_at() {
     let text = include_str!("../../../examples/rotary-table.toml");
     let line = parse("rotary-table.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
     let table = &line.stations[0];
-    let told = line.clearance(&line.conflicts[0].a).expect("its switch is off under way");
+    let told = line.clearance(&line.conflicts[0].a).expect("its switch is off under way").on;
     assert_eq!(names(table, told), ["LS_in_place"]);
     let index = table.home;
     let at = |place| names(table, table.rest_inputs(place));

@@ -1,6 +1,6 @@
 //! Task-driven stations: contents of the base description.
 
-use linewright_line::{AxisId, Grip, Line, OpId, RestId, Sign, Stand, StationId, TaskId, parse};
+use linewright_line::{AxisId, ClearanceInputs, Grip, Line, OpId, RestId, Sign, Stand, StationId, TaskId, parse};
 
 const BASE: &str = include_str!("descriptions/task_driven.toml");
 
@@ -72,8 +72,9 @@ fn two_tasks_may_be_in_conflict() {
         (robot.task_of(conflict.b.from), robot.steps_of_span(&conflict.b)),
         (Some(TaskId(0)), vec![0, 1, 2, 3, 4])
     );
-    let slide = 1 << m1.inputs.iter().position(|input| input == "L_0").expect("it has it");
-    assert_eq!(line.clearance(&conflict.a), Ok(slide), "no other task moves the slide");
+    let slide = |at: &str| 1 << m1.inputs.iter().position(|input| input == at).expect("it has it");
+    let clear = ClearanceInputs { on: slide("L_0"), off: slide("L_80") | slide("L_100") };
+    assert_eq!(line.clearance(&conflict.a), Ok(clear), "no other task moves the slide");
     assert!(line.clearance(&conflict.b).is_err(), "the arm moves in the other task too");
     assert_eq!(line.without_conflicts_of_tasks().conflicts, []);
     assert_eq!(line.without_conflicts_of_tasks().stations, line.stations);

@@ -44,8 +44,10 @@ pub enum StopCause {
     Interlock {
         /// The other station.
         station: StationId,
-        /// Its switch that is off; none where its image is not known.
+        /// Its switch that is off, or on at another place of the same axis; none where its image is not known.
         input: Option<InputId>,
+        /// Whether that switch is on.
+        is_on: bool,
     },
     /// An axis that should stand still is not measured where it should be.
     PositionLost {

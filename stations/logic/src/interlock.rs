@@ -4,8 +4,9 @@
 //! are measured here, and held in auto, hand and manual mode and on recovery paths alike:
 //!
 //! * **Clearances.** For each conflict of the description a motion starts and goes on only while the other station is measured
-//!   outside its state of the conflict: the limit switches that prove it ([`Line::clearance`]) are on in the other's image, as
-//!   its report carries it. A motion outside this station's own state of the conflict may instead rely on this station's own
+//!   outside its state of the conflict: in the other's image, as its report carries it, the limit switches that prove it are on,
+//!   and those at the other places of the same axes are off ([`Line::clearance`]): a switch that sticks is contradicted by
+//!   the one that the axis has come to. A motion outside this station's own state of the conflict may instead rely on this station's own
 //!   switches. An image that is not received, not valid or too old measures nothing, and blocks.
 //! * **Rests.** An axis that stands still by the chart is measured there ([`Station::rest_inputs`]). While one is not, nothing
 //!   new starts in auto and hand, and nothing that relies on the axis starts in manual: its position is lost.
@@ -68,12 +69,13 @@ impl Controller {
 
     pub(crate) fn positions_known(&self, guard: &PositionGuard) -> PositionsKnown {
         let peer = usize::from(guard.peer);
-        PositionsKnown {
+        let known = PositionsKnown {
             own: self.image.valid.then_some(self.image.bits),
             is_placed: self.is_placed(),
             other: self.views.measured(peer, self.now),
             counts: self.views.standing(peer, self.counts.cycle, self.now) == Comparability::Comparable,
-        }
+        };
+        if self.rules.contradicted { known } else { guard.uncontradicted(known) }
     }
 
     /// Whether its axes stand by the chart.
@@ -94,9 +96,13 @@ impl Controller {
         let view = &self.views.peers[usize::from(guard.peer)];
         let station = view.station;
         let measured = self.now < view.measured_until;
-        let off = guard.clear & !view.measured;
-        let input = (measured && off != 0).then(|| InputId(off.trailing_zeros() as u16));
-        StopCause::Interlock { station, input }
+        let wrong = guard.clear.filter(|_| measured).map_or(0, |clear| clear.wrong(view.measured));
+        let (on, off) = (wrong & view.measured, wrong & !view.measured);
+        // Where it has just left, both are wrong: what it waits for comes first.
+        let first = if off != 0 { off } else { on };
+        let input = (first != 0).then(|| InputId(first.trailing_zeros() as u16));
+        let is_on = input.is_some() && off == 0;
+        StopCause::Interlock { station, input, is_on }
     }
 
     /// An axis that stands still by the chart and is not measured there: the operation at whose place, and the switch.

@@ -1,7 +1,7 @@
 //! Measurements required for a motion, compiled from the conflicts of the line (see [`crate::PositionGuard`]).
 
 use linewright_line::net::Block;
-use linewright_line::{Line, OpId, StateSpan, Station, StationId};
+use linewright_line::{ClearanceInputs, Line, OpId, StateSpan, Station, StationId};
 
 /// Measurements required for a motion to start and to go on, for one conflict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,9 +10,9 @@ pub struct PositionGuard {
     pub conflict: u16,
     /// The other station, as an index into the program's peers.
     pub peer: u16,
-    /// Its inputs that are all on while it is outside its state. 0 where no switches measure that: then there are the
-    /// counts alone, which must be of one generation.
-    pub clear: u128,
+    /// Its inputs while it is outside its state. None where no switches measure that: then there are the counts alone, which
+    /// must be of one generation.
+    pub clear: Option<ClearanceInputs>,
     /// Place of the motion relative to this station's own state.
     pub own: OwnSide,
     /// By a motion of this block of the operation this station leaves its state.
@@ -23,8 +23,8 @@ pub struct PositionGuard {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OwnSide {
     Inside,
-    /// Outside, while these own inputs are all on.
-    Outside(u128),
+    /// Outside, while these own inputs hold.
+    Outside(ClearanceInputs),
     /// Outside by the chart; no own switches measure it.
     OutsideByChart,
 }
@@ -45,21 +45,29 @@ pub struct PositionsKnown {
 impl PositionGuard {
     /// Whether the motion may start and go on.
     pub fn holds(&self, known: PositionsKnown) -> bool {
-        self.is_outside(known) || if self.clear == 0 { known.counts } else { are_on(known.other, self.clear) }
+        self.is_outside(known) || self.clear.map_or(known.counts, |clear| measures(known.other, clear))
+    }
+
+    /// The images without the switches that contradict, for callers that break this rule.
+    pub(crate) fn uncontradicted(&self, known: PositionsKnown) -> PositionsKnown {
+        let own = if let OwnSide::Outside(clear) = self.own { clear.off } else { 0 };
+        let other = self.clear.map_or(0, |clear| clear.off);
+        let without = |image: Option<u128>, bits: u128| image.map(|image| image & !bits);
+        PositionsKnown { own: without(known.own, own), other: without(known.other, other), ..known }
     }
 
     /// Whether the motion is outside this station's own state, so that it does not rely on the other station.
     pub(crate) fn is_outside(&self, known: PositionsKnown) -> bool {
         match self.own {
             OwnSide::Inside => false,
-            OwnSide::Outside(clear) => are_on(known.own, clear),
+            OwnSide::Outside(clear) => measures(known.own, clear),
             OwnSide::OutsideByChart => known.is_placed,
         }
     }
 }
 
-fn are_on(image: Option<u128>, inputs: u128) -> bool {
-    image.is_some_and(|image| image & inputs == inputs)
+fn measures(image: Option<u128>, clear: ClearanceInputs) -> bool {
+    image.is_some_and(|image| clear.hold(image))
 }
 
 /// The guards of a station's motions.
@@ -98,20 +106,14 @@ impl Interlocks {
             };
             let Some(peer) = peers.iter().position(|&peer| peer == other.station) else { continue };
             let own_clear = line.clearance(own).ok();
-            interlocks.read_by_others |= own_clear.unwrap_or(0);
+            interlocks.read_by_others |= own_clear.map_or(0, ClearanceInputs::all);
             let clear = line.clearance(other).ok();
             // No counts keep tasks apart: where no switches measure the other one, there is nothing to check.
             if clear.is_none() && described.is_task_driven() {
                 continue;
             }
             interlocks.covers &= clear.is_some() && own_clear.is_some();
-            sides.push(ConflictSide {
-                conflict: nth as u16,
-                peer: peer as u16,
-                clear: clear.unwrap_or(0),
-                own,
-                own_clear,
-            });
+            sides.push(ConflictSide { conflict: nth as u16, peer: peer as u16, clear, own, own_clear });
         }
         for op in described.op_ids() {
             let range = interlocks.add(sides.iter().map(|side| side.guard(described, op)));
@@ -142,7 +144,7 @@ impl Interlocks {
     /// The inputs of a peer that any guard reads.
     pub fn read_of(&self, peer: usize) -> u128 {
         let of_peer = self.guards.iter().filter(|guard| usize::from(guard.peer) == peer);
-        of_peer.fold(0, |bits, guard| bits | guard.clear)
+        of_peer.filter_map(|guard| guard.clear).fold(0, |bits, clear| bits | clear.all())
     }
 
     pub fn of_path(&self, path: usize) -> &[PositionGuard] {
@@ -154,9 +156,9 @@ impl Interlocks {
 struct ConflictSide<'a> {
     conflict: u16,
     peer: u16,
-    clear: u128,
+    clear: Option<ClearanceInputs>,
     own: &'a StateSpan,
-    own_clear: Option<u128>,
+    own_clear: Option<ClearanceInputs>,
 }
 
 impl ConflictSide<'_> {

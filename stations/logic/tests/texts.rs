@@ -39,8 +39,9 @@ fn causes() -> Vec<StopCause> {
         StopCause::Ordered => StopCause::Ordered;
         StopCause::Restart => StopCause::Restart;
         StopCause::NotAtHome => StopCause::NotAtHome;
-        StopCause::Interlock { .. } => StopCause::Interlock { station: CLAMP, input: Some(INPUT) },
-            StopCause::Interlock { station: CLAMP, input: None };
+        StopCause::Interlock { .. } => StopCause::Interlock { station: CLAMP, input: Some(INPUT), is_on: false },
+            StopCause::Interlock { station: CLAMP, input: Some(INPUT), is_on: true },
+            StopCause::Interlock { station: CLAMP, input: None, is_on: false };
         StopCause::PositionLost { .. } => StopCause::PositionLost { op: OP, input: INPUT };
         StopCause::IndexDoubtful { .. } => StopCause::IndexDoubtful { op: OP, input: INPUT, places: None },
             StopCause::IndexDoubtful { op: OP, input: INPUT, places: Some(APART) };
@@ -228,7 +229,7 @@ fn all_texts_of_a_station() {
     let (line, tasks) = (transfer_line(), task_driven());
     let choices = [StationWait::task_button("PB_run", "machine"), StationWait::task_button("PB_open", "release")];
     let arrow = StationWait::Arrow { station: "clamp_1", op: "close", cycle: 7, own: "advance" }.text();
-    let detail = StopCause::Interlock { station: CLAMP, input: Some(INPUT) }.detail(&line, TRANSFER);
+    let detail = StopCause::Interlock { station: CLAMP, input: Some(INPUT), is_on: false }.detail(&line, TRANSFER);
     let lost = StopCause::PositionLost { op: OP, input: INPUT }.detail(&line, CLAMP);
     let event = |line: &Line, station, what| StationHappening { cycle: 1, what }.text(line, station);
     let lists = [

@@ -40,12 +40,17 @@ impl StopCause {
     /// The cause found by measured positions, with the station, the switch and where it is wired.
     pub fn detail(self, line: &Line, own: StationId) -> String {
         match self {
-            StopCause::Interlock { station, input: Some(input) } => format!(
+            StopCause::Interlock { station, input: Some(input), is_on: true } => format!(
+                "interlock: {} not clear: {} is on, and off while it is clear; check mechanism and switch",
+                line.station(station).name,
+                line.input_text(Owner::Station(station), input)
+            ),
+            StopCause::Interlock { station, input: Some(input), is_on: false } => format!(
                 "interlock: {} not clear: {} is off",
                 line.station(station).name,
                 line.input_text(Owner::Station(station), input)
             ),
-            StopCause::Interlock { station, input: None } => {
+            StopCause::Interlock { station, input: None, .. } => {
                 format!(
                     "interlock: position of {} unknown: no valid image of its limit switches",
                     line.station(station).name

@@ -416,7 +416,7 @@ fn where_switches_fit_two_places_a_person_names_the_operation() {
         .replace("to = \"table: index\"", "to = \"table: unlock\"")
         .replace("from = \"index\", until = \"index\"", "from = \"unlock\", until = \"lock\"");
     let line = parse("bolt.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
-    let told = line.clearance(&line.conflicts[0].a).expect("the bolt tells");
+    let told = line.clearance(&line.conflicts[0].a).expect("the bolt tells").on;
     assert_eq!(told, 0b101, "in place and locked");
     const FREE: u128 = 2;
     const LOCKED: u128 = 4;

@@ -198,6 +198,21 @@ fn of_two_inside_the_one_that_leaves_moves_while_the_other_stands() {
     assert!(!bench.drives(back), "the bar moves again");
 }
 
+/// The bar's lower switch sticks: the bar is up, at the next one, which contradicts it.
+#[test]
+fn a_switch_that_sticks_does_not_measure_the_other_station_clear() {
+    let mut bench = InterlockBench::new(transfer_line(), GENERATION);
+    bench.mode(ControlMode::Manual);
+    // The clamp closes on its way: from there it relies on the bar.
+    bench.press(PanelCommand::Advance);
+    bench.set(&[]);
+    assert!(bench.drives(bench.closing()), "{}", bench.blocked());
+    bench.bar_has(&["LS_vertical_0", "LS_vertical_50", "LS_horizontal_0"], false);
+    assert_eq!(bench.outputs & !lamp(&bench), 0, "{}", bench.blocked());
+    let blocked = bench.blocked();
+    assert!(blocked.contains("LS_vertical_50") && blocked.contains("is on, and off while it is clear"), "{blocked}");
+}
+
 /// At the end of an operation what is in the way of *return* is no reason why the operation itself waits.
 #[test]
 fn what_is_in_the_way_of_return_is_named_as_undoing() {
