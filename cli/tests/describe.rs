@@ -149,7 +149,7 @@ fn a_controllers_tag_table_is_taken_with_where_devices_begin() {
     assert!(!twice.status.success() && text(&twice.stderr).contains("drill io=%I4,%Q2"), "{twice:?}");
 }
 
-/// What is not there is said with its path; of a line it is said what has no sense there.
+/// What is missing is named with its path; of a line, what has no sense there is named.
 #[test]
 fn what_is_asked_of_nothing_or_of_a_line_is_refused_with_the_reason() {
     let scratch = Scratch::new();

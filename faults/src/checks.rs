@@ -162,7 +162,7 @@ impl Observer {
         }
     }
 
-    /// The coordinator gives an order: its record is written, and who is to act on it has acknowledged it.
+    /// The coordinator gives an order: its record is written, and every station that acts on it has acknowledged it.
     pub(crate) fn order_sent(&mut self, now: Tick, which: usize, order: &ModeOrder, is_kept: bool) {
         let moves = matches!(order.mode, ControlMode::Auto | ControlMode::Hand | ControlMode::Manual);
         if order.mode != ControlMode::EStop && !is_kept {

@@ -169,7 +169,7 @@ pub fn of_this_description(node: &str, is: u64, expected: u64) -> Result<(), Con
 ///
 /// # Errors
 /// When the message does not fit the description, or is from a node with another one. The station then counts as not received:
-/// nobody relies on its counts and positions, and no order names its start.
+/// nothing relies on its counts and positions, and no order names its start.
 pub fn report_from_message(
     (line, expected): (&Line, u64),
     message: &StationState,

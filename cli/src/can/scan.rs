@@ -18,7 +18,7 @@ use miette::IntoDiagnostic;
 use serde::Serialize;
 use tokio::time::{Instant, timeout_at};
 
-/// Ask every node id who is there.
+/// Ask every node id for its identity.
 #[derive(Debug, Args)]
 pub struct ScanArgs {
     /// Time to wait for answers and heartbeats, in ms.

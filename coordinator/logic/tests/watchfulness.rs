@@ -353,7 +353,7 @@ fn manual_is_entered_as_soon_as_every_station_has_heard_of_stand_by() {
     assert_eq!(bench.mode(), ControlMode::Manual);
 }
 
-/// A station that is lost after the command comes back when nobody may be watching.
+/// A station that is lost after the command comes back when a person may have turned away.
 #[test]
 fn a_manual_that_waits_for_half_a_minute_is_given_up_and_does_not_come_late() {
     let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);

@@ -11,7 +11,7 @@ use linewright_node_shell::stamp;
 use crate::node::CoordinatorLoop;
 use crate::topics::standing_message;
 
-/// How often the mode is told in words when it does not change.
+/// Period of the mode as text while it does not change.
 const TEXT_EVERY: Duration = Duration::from_secs(1);
 
 impl CoordinatorLoop {

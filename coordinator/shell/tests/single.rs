@@ -53,7 +53,7 @@ fn it_stands_by_until_all_have_acknowledged_and_is_led_then() {
     assert_eq!(rig.record.epoch, before + 2);
 }
 
-/// A change that cannot be written down is given to nobody: the line is in emergency stop.
+/// A change that cannot be written down is not carried out: the line is in emergency stop.
 #[test]
 fn without_a_journal_there_is_none() {
     let mut rig = left_out();

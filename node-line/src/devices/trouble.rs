@@ -89,7 +89,7 @@ pub fn in_words(buses: &Joined, owner: Owner) -> String {
     joined(unheard_together(buses.trouble(owner)).into_iter())
 }
 
-/// What is said of a device that has not sent anything, between its name and the details.
+/// Text about a device that has not sent anything, between its name and the details.
 const NEVER_HEARD: &str = ": never heard: ";
 
 /// Sentences with those of devices that were never heard as one, in place of the first: they have one cause.

@@ -61,7 +61,7 @@ pub(crate) struct LineSearch<const N: usize> {
     pub looked_at: usize,
     /// For each state, whether all stations are at home; only where ways home and back are asked for.
     pub at_home: Vec<bool>,
-    /// For each state, the mode granted and who acts on it; only there, too.
+    /// For each state, the mode granted and the stations that act on it; only there, too.
     pub grants: Vec<Granted>,
     /// Tally of the states explored.
     pub tally: StateTally,

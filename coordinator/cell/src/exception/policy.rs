@@ -86,9 +86,9 @@ pub struct ModeHandling {
     pub carrier: Option<ResourceId>,
     /// The rules that are about it, as positions.
     pub rules: Vec<usize>,
-    /// The rests at which the tasks begin that stations are told; none without a line.
+    /// The rests at which ordered tasks begin; none without a line.
     pub begins: Vec<(StationId, RestId)>,
-    /// What is given back if its part is no more; none if it cannot be said.
+    /// What is given back if its part is no more; none if that is not known.
     pub gone: Option<Vec<TokenDemand>>,
 }
 

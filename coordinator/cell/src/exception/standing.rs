@@ -28,7 +28,7 @@ pub(crate) struct WrongRest {
 }
 
 impl Coordination {
-    /// Where the station of a resource should stand and does not; none as well where that cannot be said: something is under way
+    /// Where the station of a resource should stand and does not; none as well where that is not decided: something is under way
     /// there, its rest is not known, there is room for several parts, or one of the next activities tells the station nothing.
     pub(super) fn wrong_rest(&self, resource: ResourceId) -> Option<WrongRest> {
         let (state, table) = (&self.state, self.state.table());

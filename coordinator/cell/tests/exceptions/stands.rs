@@ -221,7 +221,7 @@ fn of_inputs_that_were_waited_for_the_missing_ones_are_named() {
     assert!(missing.contains("(code 22): m1_ready, after"), "{missing}");
 }
 
-/// A code may be that of several tasks: the inputs are those of the one that was ordered. The other order's failure is told as well.
+/// A code may be that of several tasks: the inputs are those of the one that was ordered. The other order's failure is reported as well.
 #[test]
 fn an_alarm_names_the_inputs_that_were_waited_for() {
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);
@@ -232,7 +232,7 @@ fn an_alarm_names_the_inputs_that_were_waited_for() {
     assert!(text.contains("robot: awaited input not on in time (code 22): m1_clamped, after"), "{text}");
 }
 
-/// No time was over at a station that is told to leave since another one has failed: nothing is wrong with its sensor.
+/// No time was over at a station whose order is ended since another one has failed: nothing is wrong with its sensor.
 #[test]
 fn an_order_left_while_it_waited_is_not_called_late() {
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);
