@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use linewright_faults::{CELL_MUTANTS, FaultPlan, MUTANTS, Mutant, PlayedSeed, play, play_cell, play_plan, shrink};
+use linewright_faults::{
+    CELL_MUTANTS, FaultPlan, MUTANTS, Mutant, PlayedSeed, play, play_cell, play_floor, play_plan, shrink,
+};
 
 /// Entries of a story that are printed.
 const STORY: usize = 60;
@@ -16,6 +18,7 @@ struct FaultArguments {
     shrinks: bool,
     mutants: bool,
     cells: bool,
+    floors: bool,
     mutant: Option<Mutant>,
 }
 
@@ -34,6 +37,7 @@ fn arguments() -> Option<FaultArguments> {
             "--shrink" => found.shrinks = true,
             "--mutants" => found.mutants = true,
             "--cells" => found.cells = true,
+            "--floors" => found.floors = true,
             "--mutant" => {
                 let name = args.next()?;
                 found.mutant = Some(Mutant::named(&name)?);
@@ -46,9 +50,14 @@ fn arguments() -> Option<FaultArguments> {
 
 fn main() -> ExitCode {
     let Some(arguments) = arguments() else {
-        eprintln!("options: [--seeds N] [--from S] [--shard I/N] [--shrink] [--cells] [--mutants | --mutant NAME]");
+        eprintln!(
+            "options: [--seeds N] [--from S] [--shard I/N] [--shrink] [--cells] [--floors] [--mutants | --mutant NAME]"
+        );
         return ExitCode::from(2);
     };
+    if arguments.floors {
+        return if floors(&arguments) { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+    }
     let good = match (arguments.cells, arguments.mutants) {
         (false, false) => seeds(&arguments),
         (false, true) => mutants(&arguments),
@@ -128,6 +137,37 @@ fn cells(arguments: &FaultArguments) -> bool {
     let took = start.elapsed().as_secs_f64();
     println!(
         "{count} seeds of cells, {failed} with findings; {steps} steps of {lives} lives of coordinators in {time:.0} s of the cells' time; {took:.1} s, {:.1} seeds per second",
+        count as f64 / took
+    );
+    failed == 0
+}
+
+fn floors(arguments: &FaultArguments) -> bool {
+    let start = Instant::now();
+    let (mut count, mut failed, mut lives, mut time) = (0_u64, 0_u64, 0, 0.0);
+    for seed in numbers(arguments) {
+        let played = play_floor(seed);
+        count += 1;
+        lives += played.lives;
+        time += played.end.as_secs_f64();
+        let again = (seed % 100 == 0).then(|| play_floor(seed));
+        if again.is_some_and(|again| again.story != played.story) {
+            println!("seed {seed}: not the same run twice");
+            failed += 1;
+        }
+        if let Some(finding) = played.finding {
+            failed += 1;
+            println!("\nseed {seed}");
+            let skipped = played.story.len().saturating_sub(STORY);
+            for (at, text) in played.story.iter().skip(skipped) {
+                println!("{:>10.4} s  {text}", at.as_secs_f64());
+            }
+            println!("{:>10.4} s  FOUND {finding}", played.end.as_secs_f64());
+        }
+    }
+    let took = start.elapsed().as_secs_f64();
+    println!(
+        "{count} seeds of cells with real stations, {failed} with findings; {lives} lives of coordinators in {time:.0} s of the cells' time; {took:.1} s, {:.1} seeds per second",
         count as f64 / took
     );
     failed == 0

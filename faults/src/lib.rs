@@ -26,6 +26,8 @@ mod deliver;
 mod devices;
 mod disk;
 mod faults;
+mod floor_operator;
+mod floors;
 mod lines;
 mod message;
 pub mod mutants;
@@ -42,6 +44,7 @@ mod station;
 mod world;
 
 pub use cells::{CELL_MUTANTS, CellMutant, PlayedCell, play_cell};
+pub use floors::{PlayedFloor, play_floor};
 pub use mutants::{MUTANTS, Mutant, MutantEntry};
 pub use plan::{FaultEvent, FaultPlan, PlannedFault};
 pub use provoke::Provocation;

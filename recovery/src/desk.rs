@@ -16,6 +16,8 @@ const ROUNDS_MAX: usize = 64;
 const COMMANDS_MAX: usize = 3;
 /// Commands of a way, the first of equals first.
 const COMMANDS: [ModeCommand; 4] = [ModeCommand::Auto, ModeCommand::Start, ModeCommand::Reset, ModeCommand::Manual];
+/// The same from hand mode, out of which manual is not given.
+const FROM_HAND: [ModeCommand; 3] = [ModeCommand::Auto, ModeCommand::Stop, ModeCommand::Manual];
 /// The same to hand mode, which is given from stand-by.
 const TO_HAND: [ModeCommand; 3] = [ModeCommand::Hand, ModeCommand::Start, ModeCommand::Stop];
 
@@ -186,7 +188,11 @@ impl Desk {
         if self.is_in(mode) {
             return Some(Vec::new());
         }
-        let commands: &[ModeCommand] = if mode == ControlMode::Hand { &TO_HAND } else { &COMMANDS };
+        let commands: &[ModeCommand] = match (self.mode(), mode) {
+            (_, ControlMode::Hand) => &TO_HAND,
+            (ControlMode::Hand, _) => &FROM_HAND,
+            _ => &COMMANDS,
+        };
         let mut ways: Vec<Vec<(ModeCommand, Desk)>> = vec![Vec::new()];
         for _ in 0..COMMANDS_MAX {
             let mut longer = Vec::new();
@@ -219,7 +225,7 @@ fn may_follow(last: Option<ModeCommand>, command: ModeCommand) -> bool {
         None => true,
         Some(ModeCommand::Reset) => command == ModeCommand::Manual,
         Some(ModeCommand::Start) => matches!(command, ModeCommand::Auto | ModeCommand::Manual | ModeCommand::Hand),
-        Some(ModeCommand::Stop) => matches!(command, ModeCommand::Start | ModeCommand::Hand),
+        Some(ModeCommand::Stop) => matches!(command, ModeCommand::Start | ModeCommand::Hand | ModeCommand::Manual),
         Some(_) => command == ModeCommand::Auto,
     }
 }

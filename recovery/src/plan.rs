@@ -211,8 +211,10 @@ fn planned_now(line: &Line, situation: &LineSituation) -> RecoveryPlan {
         // A station that still has an order ends it in auto.
         let (before, after): (Vec<_>, Vec<_>) =
             situation.alarms.iter().partition(|of: &&StandingAlarm| of.at_order.is_empty());
-        found.steps.splice(last..last, before.into_iter().flat_map(|alarm| answered(alarm, is_brought)));
-        found.steps.extend(after.into_iter().flat_map(|alarm| answered(alarm, is_brought)));
+        // Where its stations cannot be led, there is no answer to it yet.
+        let is_led = |alarm: &&StandingAlarm| !is_open || !alarm.lead.iter().any(|id| led.contains(id));
+        found.steps.splice(last..last, before.into_iter().filter(is_led).flat_map(|alarm| answered(alarm, is_brought)));
+        found.steps.extend(after.into_iter().filter(is_led).flat_map(|alarm| answered(alarm, is_brought)));
         steps.append(&mut found.steps);
         return RecoveryPlan { steps, ..found };
     }

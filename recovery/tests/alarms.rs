@@ -220,3 +220,35 @@ fn what_has_failed_and_has_no_alarm_yet_is_waited_for() {
         assert_eq!(found.end_text(&line), ["not finished: what follows shows with the alarm of what has failed"]);
     }
 }
+
+/// Manual is not given out of hand mode.
+#[test]
+fn from_hand_mode_a_station_is_led_after_stop() {
+    let (line, mut seen) = two_are_left_out(ControlMode::Hand);
+    // Between two operations of a task, where hand mode is given all the same.
+    let robot = line.station_named("robot").expect("it is one");
+    let (station, fresh) =
+        (line.station(robot), Controller::new(&line, robot, 7, Restore::Fresh).expect("it compiles"));
+    let fetched = StationPlace::completed(station.operation_named("fetch for m2").expect("it is one"));
+    let snapshot = StationSnapshot { placed: true, marking: vec![fetched], ..fresh.snapshot() };
+    for id in line.station_ids() {
+        let home = &line.operation((id, line.station(id).home)).name;
+        let done = StationPlace::completed(line.station(id).operation_named(home).expect("it is one"));
+        let fresh = Controller::new(&line, id, 7, Restore::Fresh).expect("it compiles");
+        let at_home = StationSnapshot { placed: true, marking: vec![done], ..fresh.snapshot() };
+        seen.stations[id.index()] = Some(reported(&line, id, at_home, 0));
+    }
+    seen.stations[robot.index()] = Some(reported(&line, robot, snapshot, 0));
+    (seen.left_out, seen.alarms) = (vec![robot], vec![alarm(&[robot], &[])]);
+    let found = plan(&line, &seen);
+    let commands: Vec<ModeCommand> = found
+        .steps
+        .iter()
+        .filter_map(|step| match step.action {
+            RecoveryAction::Command(command) => Some(command),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(commands[..2], [ModeCommand::Stop, ModeCommand::Manual]);
+    assert_eq!(found.end, RecoveryEnd::Auto);
+}

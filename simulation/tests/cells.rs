@@ -22,7 +22,7 @@ use linewright_coordinator_cell::{CellTable, FiringId, ModeId, PartId, PlayerInp
 use linewright_line::{HolderId, Line, StationId, Tick};
 use linewright_plant::{MotionFault, PlantOptions};
 use linewright_simulation::Rng;
-use linewright_simulation::cell::{CellSim, CellSimOptions, ShopFloor};
+use linewright_simulation::cell::{CellSim, CellSimOptions, ShopFloor, nests};
 
 const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
 const LONG: Tick = Tick::from_millis(24 * 3_600_000);
@@ -62,16 +62,8 @@ fn shipped_but(name: &str, parts: &[u32], change: impl Fn(String) -> String) -> 
 }
 
 impl Shipped {
-    /// Holder of the part of each resource that is no store: the nest of its station.
     fn nests(&self) -> Vec<(&str, HolderId)> {
-        let stations = self.cell.resources.iter().filter_map(|resource| {
-            let station = &self.cell.controllers[resource.controller?.index()];
-            let mine = |name: &str| name.strip_prefix(station.as_str()).is_some_and(|rest| rest.starts_with('.'));
-            let holders = &self.line.handling.holders;
-            let nest = holders.iter().position(|holder| mine(&holder.name) && !holder.is_hand())?;
-            Some((resource.name.as_str(), HolderId::at(nest)))
-        });
-        stations.collect()
+        nests(&self.cell, &self.line)
     }
 
     fn sim(&self, options: CellSimOptions, variation: f64) -> CellSim {

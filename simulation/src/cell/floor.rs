@@ -8,6 +8,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
+use linewright_cell::Cell;
 use linewright_coordinator_cell::{
     ActivityStep, CellTable, FiringId, ModeId, OrderKey, OrderMessage, PartId, PartPlace, PlayerState, Record,
     TaskReply, TaskReport,
@@ -18,7 +19,7 @@ use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
 use linewright_orders::LeaveWay;
 use linewright_plant::{NestPosition, PartNo, Plant, PlantOptions};
 use linewright_station_logic::{
-    self as station, CompileError, Controller, ModeOrder, NO_DELAY, PanelCommand, Restore, StationInput,
+    self as station, CompileError, Controller, ModeOrder, NO_DELAY, PanelCommand, RejoinAt, Restore, StationInput,
     StationSnapshot, TaskCommand, TaskOrder, TaskOrderReport,
 };
 
@@ -79,6 +80,18 @@ pub struct ShopFloor {
     pub trouble: Vec<String>,
 }
 
+/// Where each resource that is no store has its part: the nest of its station.
+pub fn nests<'c>(cell: &'c Cell, line: &Line) -> Vec<(&'c str, HolderId)> {
+    let stations = cell.resources.iter().filter_map(|resource| {
+        let station = &cell.controllers[resource.controller?.index()];
+        let mine = |name: &str| name.strip_prefix(station.as_str()).is_some_and(|rest| rest.starts_with('.'));
+        let holders = &line.handling.holders;
+        let nest = holders.iter().position(|holder| mine(&holder.name) && !holder.is_hand())?;
+        Some((resource.name.as_str(), HolderId::at(nest)))
+    });
+    stations.collect()
+}
+
 impl ShopFloor {
     /// All stations at home, in auto, and no part anywhere. Of each resource that is no store, where it has its part.
     ///
@@ -133,6 +146,17 @@ impl ShopFloor {
     /// A station's controller.
     pub fn controller(&self, station: StationId) -> &Controller {
         &self.processes[station.index()].controller
+    }
+
+    /// Whether a station's process runs.
+    pub fn is_up(&self, station: StationId) -> bool {
+        self.processes[station.index()].down.is_none()
+    }
+
+    /// A person confirms where a station stands.
+    pub fn rejoin(&mut self, station: StationId, at: RejoinAt) {
+        self.processes[station.index()].controller.handle(self.now, StationInput::Rejoin(at));
+        self.settle();
     }
 
     /// Ends a station's process. Its outputs stay until its devices miss it.

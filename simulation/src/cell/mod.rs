@@ -32,7 +32,7 @@ mod truth;
 
 pub use distribution::Distribution;
 pub use estimate::Estimate;
-pub use floor::{ShopFloor, Work};
+pub use floor::{ShopFloor, Work, nests};
 pub use operator::SimulatedOperator;
 pub use planner::SimulatedPlanner;
 pub use scenario::{
