@@ -4,7 +4,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use linewright_faults::{
-    CELL_MUTANTS, FaultPlan, MUTANTS, Mutant, PlayedSeed, play, play_cell, play_floor, play_plan, shrink,
+    CELL_MUTANTS, FLOOR_MUTANTS, FaultPlan, MUTANTS, Mutant, PlayedSeed, play, play_cell, play_floor, play_plan, shrink,
 };
 
 /// Entries of a story that are printed.
@@ -56,7 +56,8 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     if arguments.floors {
-        return if floors(&arguments) { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+        let good = if arguments.mutants { floor_mutants(&arguments) } else { floors(&arguments) };
+        return if good { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     }
     let good = match (arguments.cells, arguments.mutants) {
         (false, false) => seeds(&arguments),
@@ -146,11 +147,11 @@ fn floors(arguments: &FaultArguments) -> bool {
     let start = Instant::now();
     let (mut count, mut failed, mut lives, mut time) = (0_u64, 0_u64, 0, 0.0);
     for seed in numbers(arguments) {
-        let played = play_floor(seed);
+        let played = play_floor(seed, None);
         count += 1;
         lives += played.lives;
         time += played.end.as_secs_f64();
-        let again = (seed % 100 == 0).then(|| play_floor(seed));
+        let again = (seed % 100 == 0).then(|| play_floor(seed, None));
         if again.is_some_and(|again| again.story != played.story) {
             println!("seed {seed}: not the same run twice");
             failed += 1;
@@ -171,6 +172,26 @@ fn floors(arguments: &FaultArguments) -> bool {
         count as f64 / took
     );
     failed == 0
+}
+
+fn floor_mutants(arguments: &FaultArguments) -> bool {
+    let mut all = true;
+    for &(mutant, _) in FLOOR_MUTANTS {
+        let found = numbers(arguments).find_map(|seed| {
+            let finding = play_floor(seed, Some(mutant)).finding?;
+            play_floor(seed, None).finding.is_none().then_some((seed, finding))
+        });
+        match found {
+            Some((seed, finding)) => {
+                println!("{mutant:?}: seed {seed}: {}", finding.chars().take(200).collect::<String>());
+            }
+            None => {
+                println!("{mutant:?}: NOT FOUND in {} seeds", numbers(arguments).count());
+                all = false;
+            }
+        }
+    }
+    all
 }
 
 fn cell_mutants(arguments: &FaultArguments) -> bool {

@@ -13,7 +13,7 @@ use linewright_recovery::{
     ActivityEnd, DecidedEnd, LineSituation, Need, PanelButton, RecoveryAction, RecoveryEnd, RecoveryStep,
     StandingAlarm, as_received, plan,
 };
-use linewright_station_logic::PanelCommand;
+use linewright_station_logic::{PanelCommand, RejoinAt};
 
 use crate::floors::FloorWorld;
 
@@ -157,7 +157,11 @@ impl FloorWorld {
                 let (station, turned) = (*station, PanelCommand::Selector(*manual));
                 self.floor_mut().press(station, turned);
             }
-            RecoveryAction::Rejoin { station, at, .. } => self.floor_mut().rejoin(*station, *at),
+            RecoveryAction::Rejoin { station, at, or_within } => {
+                let seen = self.stood_in.get(station).filter(|op| or_within.contains(op));
+                let at = seen.map_or(*at, |op| RejoinAt::Within(*op));
+                self.floor_mut().rejoin(*station, at);
+            }
         }
         self.run(MOMENT);
         false
@@ -186,10 +190,30 @@ impl FloorWorld {
         let alarm = self.sim.state().exceptions().alarm(id)?.clone();
         let AlarmSubject::Firing(firing) = alarm.about else { return alarm.words.first().cloned() };
         let rulings = self.sim.coordination.rulings(id);
-        let found = self.found(firing)?;
+        let mut found = self.found(firing)?;
         self.note(format!("the part is {found:?}"));
+        if found == Whereabouts::Gone && self.put_back(firing) {
+            found = Whereabouts::From;
+            self.note("it has fallen, and is put back");
+        }
         let means = |part: Whereabouts| rulings.iter().find(|ruling: &&RecoveryDecision| ruling.part == part);
         means(found).map(|ruling| ruling.word.clone())
+    }
+
+    /// Puts a part that has fallen where it came from, or takes it away; whether it is back.
+    fn put_back(&mut self, firing: FiringId) -> bool {
+        let Some((mode, part)) = self.sim.state().firing(firing).and_then(|of| Some((of.mode, of.part?))) else {
+            return false;
+        };
+        let from = self.sim.table.handling().mode(mode).from;
+        let name = from.map(|id| self.sim.table.handling().resource_name(id).to_owned());
+        let nest = self.resource_at.iter().find(|(_, of)| Some(*of) == name.as_ref()).map(|(nest, _)| *nest);
+        let known = self.sim.state().part(part).and_then(|part| u16::try_from(part.position?).ok());
+        let (now, no) = (self.now, PartNo(part.0));
+        let plant = self.floor_mut().plant_mut();
+        let is_away = plant.take(now, no).is_ok();
+        let position = known.unwrap_or(1);
+        is_away && nest.is_some_and(|nest| plant.put(now, no, NestPosition { nest, position }).is_ok())
     }
 
     /// Where the part of an activity is.

@@ -17,7 +17,7 @@ use std::time::Duration;
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
 use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, dispatcher};
-use linewright_coordinator_cell::{CellTable, Dispatcher, FiringId, PartId};
+use linewright_coordinator_cell::{CellTable, Dispatcher, FiringId, PartId, ProtocolRules};
 use linewright_coordinator_logic::ModeCommand;
 use linewright_coordinator_shell::orders::manual_permit;
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, CoordinatorShell, heard};
@@ -27,7 +27,7 @@ use linewright_plant::{MotionFault, Plant, PlantOptions};
 use linewright_simulation::cell::{CellSim, CellSimOptions, ShopFloor, nests};
 use linewright_simulation::{ConflictObserver, Rng};
 
-use linewright_station_logic::PanelCommand;
+use linewright_station_logic::{OrderRules, PanelCommand};
 
 const C1: [&str; 2] = [
     include_str!("../../launch-config/lines/workcell-c1/cell.toml"),
@@ -50,8 +50,8 @@ const WORK: [&str; 3] = ["cut", "assemble", "work on the part"];
 /// What goes wrong on the floor.
 #[derive(Clone, Copy, Debug)]
 enum FloorTrouble {
-    /// The station's process is killed, and starts again from its journal.
-    Killed,
+    /// The station's process is killed, and starts again, with its journal or without.
+    Killed { forgets: bool },
     /// Nothing is received from the station, and it receives no mode order.
     Away,
     /// An operation, done or undone.
@@ -69,6 +69,57 @@ struct PlannedTrouble {
     lasts: Duration,
     station: StationId,
     what: FloorTrouble,
+}
+
+impl PlannedTrouble {
+    const fn fails_a_grip(&self) -> bool {
+        matches!(self.what, FloorTrouble::Motion(_, MotionFault::Miss | MotionFault::Drop, _))
+    }
+}
+
+/// A broken rule of the order protocol or of stations' orders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FloorMutant {
+    ResultsCount,
+    AskedWhileMoving,
+    StoppedGoBack,
+    GoesBackBeside,
+    EndsMoving,
+    GoesBackAgain,
+    DoneTwice,
+    OtherMemory,
+    StopGoesBack,
+}
+
+/// Broken rules of orders, with the first seed that finds each.
+pub const FLOOR_MUTANTS: &[(FloorMutant, Option<u64>)] = &[
+    (FloorMutant::ResultsCount, None),
+    (FloorMutant::AskedWhileMoving, None),
+    (FloorMutant::StoppedGoBack, None),
+    (FloorMutant::GoesBackBeside, None),
+    (FloorMutant::EndsMoving, None),
+    (FloorMutant::GoesBackAgain, None),
+    (FloorMutant::DoneTwice, None),
+    (FloorMutant::OtherMemory, None),
+    (FloorMutant::StopGoesBack, None),
+];
+
+impl FloorMutant {
+    fn rules(self) -> (ProtocolRules, OrderRules) {
+        let (mut protocol, mut orders) = (ProtocolRules::default(), OrderRules::default());
+        match self {
+            FloorMutant::ResultsCount => protocol.slot_counts = false,
+            FloorMutant::AskedWhileMoving => protocol.stands_first = false,
+            FloorMutant::StoppedGoBack => protocol.stops = false,
+            FloorMutant::GoesBackBeside => protocol.goes_back_alone = false,
+            FloorMutant::EndsMoving => orders.ends_standing = false,
+            FloorMutant::GoesBackAgain => orders.secures_once = false,
+            FloorMutant::DoneTwice => orders.does_once = false,
+            FloorMutant::OtherMemory => orders.own_memory = false,
+            FloorMutant::StopGoesBack => orders.stops_at_once = false,
+        }
+        (protocol, orders)
+    }
 }
 
 /// A shipped cell with its line, and a production of a few parts of each type.
@@ -115,12 +166,19 @@ impl FloorWork {
         let planned = (0..count).map(|_| {
             let station = StationId::at(rng.below(self.line.stations.len() as u64) as usize);
             let operations = self.line.station(station).operations.len() as u64;
-            let faults = [MotionFault::Stick, MotionFault::Slip, MotionFault::Break, MotionFault::SlipBack];
+            let faults = [
+                MotionFault::Stick,
+                MotionFault::Slip,
+                MotionFault::Break,
+                MotionFault::SlipBack,
+                MotionFault::Miss,
+                MotionFault::Drop,
+            ];
             let commands =
                 [ModeCommand::EStop, ModeCommand::Stop, ModeCommand::Manual, ModeCommand::Hand, ModeCommand::Start];
             let motion = FloorTrouble::Motion(OpId(rng.below(operations) as u16), *rng.pick(&faults), rng.chance(300));
             let what = match rng.below(8) {
-                0 | 1 => FloorTrouble::Killed,
+                0 | 1 => FloorTrouble::Killed { forgets: rng.chance(300) },
                 2 => FloorTrouble::Away,
                 3..6 => motion,
                 6 => FloorTrouble::Command(*rng.pick(&commands)),
@@ -159,8 +217,13 @@ pub(crate) struct FloorWorld {
     pub works_before: BTreeMap<FiringId, usize>,
     /// By holder: its resource.
     pub resource_at: BTreeMap<HolderId, String>,
+    /// By station: the operation in which it was killed last, as a person beside it has seen.
+    pub stood_in: BTreeMap<StationId, OpId>,
     cell: Cell,
     observer: ConflictObserver,
+    protocol: ProtocolRules,
+    /// Parts may fall.
+    grips_fail: bool,
     record: CoordinatorRecord,
     lives: usize,
     sequence: u64,
@@ -176,7 +239,7 @@ enum TroubleStage {
 }
 
 /// Plays a seed.
-pub fn play_floor(seed: u64) -> PlayedFloor {
+pub fn play_floor(seed: u64, mutant: Option<FloorMutant>) -> PlayedFloor {
     let mut rng = Rng::named(seed, "floor plan");
     let work = FloorWork::of(seed.is_multiple_of(2)).unwrap_or_else(|| unreachable!("the shipped cells are sound"));
     let mut at = 0;
@@ -194,18 +257,26 @@ pub fn play_floor(seed: u64) -> PlayedFloor {
         ..CellSimOptions::default()
     };
     let troubles = work.troubles(&mut rng);
-    let mut world = FloorWorld::new(&work, options, troubles);
+    let mut world = FloorWorld::new(&work, options, troubles, mutant);
     world.play(&work);
     let finding = world.finding.take().or_else(|| world.judge(&work));
     PlayedFloor { finding, story: world.story, lives: world.sim.lives, end: world.now }
 }
 
 impl FloorWorld {
-    fn new(work: &FloorWork, options: CellSimOptions, troubles: Vec<PlannedTrouble>) -> Self {
+    fn new(
+        work: &FloorWork,
+        options: CellSimOptions,
+        troubles: Vec<PlannedTrouble>,
+        mutant: Option<FloorMutant>,
+    ) -> Self {
         let floor = work.floor(options.seed).unwrap_or_else(|| unreachable!("the shipped stations compile"));
+        let (protocol, orders) = mutant.map(FloorMutant::rules).unwrap_or_default();
+        let floor = floor.with_order_rules(orders);
         let observer = ConflictObserver::new(&work.line, |_| floor.plant());
         let mut sim = CellSim::new(work.table.clone(), work.line.stations.len(), options);
         sim.floor = Some(floor);
+        sim.coordination = sim.coordination.clone().with_rules(protocol);
         let stores = work.table.stores().iter().map(|store| store.name.to_string());
         let stores = stores.filter_map(|name| Some((work.line.handling.holder_named(&name)?, name)));
         let nests = nests(&work.cell, &work.line).into_iter().map(|(name, nest)| (nest, name.to_owned()));
@@ -224,7 +295,10 @@ impl FloorWorld {
             buttons: 0,
             resumes: false,
             works_before: BTreeMap::new(),
+            stood_in: BTreeMap::new(),
             observer,
+            protocol,
+            grips_fail: troubles.iter().any(|planned| planned.fails_a_grip()),
             record,
             sequence: 0,
             troubles: troubles.into_iter().map(|planned| (planned, TroubleStage::Before)).collect(),
@@ -304,7 +378,11 @@ impl FloorWorld {
     fn begin(&mut self, planned: PlannedTrouble) {
         let (now, station) = (self.now, planned.station);
         match planned.what {
-            FloorTrouble::Killed => self.floor_mut().kill(station),
+            FloorTrouble::Killed { .. } => {
+                let place = self.floor().controller(station).marking().next();
+                self.stood_in.extend(place.filter(|_| self.floor().is_up(station)).map(|place| (station, place.op)));
+                self.floor_mut().kill(station);
+            }
             FloorTrouble::Away => self.sim.stations[station.index()].is_away = true,
             FloorTrouble::Motion(op, fault, is_back) => {
                 let plant = self.floor_mut().plant_mut();
@@ -324,10 +402,12 @@ impl FloorWorld {
     fn end(&mut self, planned: PlannedTrouble) {
         let (now, station) = (self.now, planned.station);
         match planned.what {
-            FloorTrouble::Killed => {
-                // Two faults may have killed it; the first that ends starts it.
-                if self.floor_mut().restart(station).is_err() {
-                    self.finding = Some(format!("{} does not start from its journal", self.name(station)));
+            // Two faults may have killed it; the first that ends starts it.
+            FloorTrouble::Killed { forgets } => {
+                let floor = self.floor_mut();
+                let started = if forgets { floor.restart_without_journal(station) } else { floor.restart(station) };
+                if started.is_err() {
+                    self.finding = Some(format!("{} does not start again", self.name(station)));
                 }
             }
             FloorTrouble::Away => self.sim.stations[station.index()].is_away = false,
@@ -361,6 +441,7 @@ impl FloorWorld {
         if self.sim.lives != self.lives {
             self.lives = self.sim.lives;
             self.note("the coordinator is killed, and started again");
+            self.sim.coordination = self.sim.coordination.clone().with_rules(self.protocol);
             self.shell = CoordinatorShell::new(&self.line, self.lives as u64, self.record);
         }
         let untouched = self.line.console.estop.filter(|contact| !contact.pressed);
@@ -430,7 +511,8 @@ impl FloorWorld {
         let plant: &Plant = floor.plant();
         self.observer.look_everywhere(&self.line, |_| plant);
         let conflict = self.observer.seen().first().map(|seen| format!("conflict: {seen:?}"));
-        let mishap = plant.mishaps().0.first().map(|(at, mishap)| format!("at {at}: {mishap:?}"));
+        let mishap =
+            plant.mishaps().0.first().filter(|_| !self.grips_fail).map(|(at, mishap)| format!("at {at}: {mishap:?}"));
         let trouble = floor.trouble.first().cloned();
         if let Some(found) = conflict.or(mishap).or(trouble) {
             self.finding = Some(found);
@@ -450,9 +532,10 @@ impl FloorWorld {
         let parts: Vec<String> = self.floor().plant().parts().map(|part| format!("{part:?}")).collect();
         let firings: Vec<_> =
             self.sim.state().firings().map(|of| (self.sim.table.mode_name(of.mode), of.phase)).collect();
+        let down: Vec<_> = self.sim.state().exceptions().down().map(|(id, down)| (id, down.clone())).collect();
         let alarms: Vec<_> = self.sim.state().exceptions().alarms().map(|alarm| &alarm.text).collect();
         format!(
-            "{}; {}; parts {parts:?}; activities {firings:?}; alarms {alarms:?}",
+            "{}; {}; parts {parts:?}; activities {firings:?}; alarms {alarms:?}; out of service {down:?}",
             self.shell.coordinator().text(),
             stations.collect::<Vec<_>>().join("; ")
         )
@@ -467,7 +550,7 @@ impl FloorWorld {
         if left.len() != floor.left.len() || left.len() as u64 + scrapped != work.parts {
             return Some(format!("{:?} have left of {} parts, {scrapped} were scrapped", floor.left, work.parts));
         }
-        if scrapped > 0 {
+        if scrapped > 0 && !self.grips_fail {
             return Some(format!("{scrapped} parts were scrapped"));
         }
         if floor.plant().parts().count() > 0 {

@@ -44,7 +44,7 @@ mod station;
 mod world;
 
 pub use cells::{CELL_MUTANTS, CellMutant, PlayedCell, play_cell};
-pub use floors::{PlayedFloor, play_floor};
+pub use floors::{FLOOR_MUTANTS, FloorMutant, PlayedFloor, play_floor};
 pub use mutants::{MUTANTS, Mutant, MutantEntry};
 pub use plan::{FaultEvent, FaultPlan, PlannedFault};
 pub use provoke::Provocation;

@@ -106,7 +106,8 @@ fn planned_now(line: &Line, situation: &LineSituation) -> RecoveryPlan {
         return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Misfit(RestoreMisfit(station)));
     }
     let is_in_auto = situation.mode == ControlMode::Auto && situation.enabled;
-    if is_in_auto && situation.alarms.is_empty() {
+    let led = situation.to_be_led(line);
+    if is_in_auto && situation.alarms.is_empty() && led.is_empty() {
         return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Auto);
     }
     let first = |need| RecoveryStep {
@@ -121,7 +122,6 @@ fn planned_now(line: &Line, situation: &LineSituation) -> RecoveryPlan {
         bring.into_iter().chain([first(Need::Answer(alarm.clone()))])
     };
     let answers = |is_brought| situation.alarms.iter().flat_map(move |alarm| answered(alarm, is_brought));
-    let led = situation.to_be_led(line);
     let mut steps: Vec<RecoveryStep> = before_all(line, situation).into_iter().map(first).collect();
     steps.extend(held(line, situation));
     let heard: Option<Vec<StationReport>> = situation.stations.iter().cloned().collect();

@@ -83,12 +83,20 @@ pub(crate) fn unit(line: &Line, id: StationId, report: &StationReport) -> Result
     fitting.or(any).ok_or(RestoreMisfit(id))
 }
 
+/// Whether a station was started without its memory away from home, and no person has confirmed since where it stands. Of a cycle
+/// the counts show it, which are founded at home; of tasks the cause alone.
+pub(crate) fn is_unknown(station: &Station, report: &StationReport) -> bool {
+    match station.is_task_driven() {
+        true => report.incomplete.iter().any(|&(_, cause)| cause == StopCause::NotAtHome),
+        false => report.generation == 0 && !report.incomplete.is_empty(),
+    }
+}
+
 /// An axis that stands between switches, at a station that was started without its memory and whose switches fit no operation, and
 /// the switch onto which it is brought by hand. Home goes before other places, and a place after which an operation fits before both.
 pub(crate) fn unplaced(line: &Line, id: StationId, report: &StationReport) -> Option<(OpId, InputId)> {
     let station = line.station(id);
-    let is_unknown = report.generation == 0 && !report.incomplete.is_empty() && !station.is_task_driven();
-    if !is_unknown || !report.devices_valid || is_confirmable(line, id, report, report.measured) {
+    if !is_unknown(station, report) || !report.devices_valid || is_confirmable(line, id, report, report.measured) {
         return None;
     }
     let ops = || station.op_ids().filter(|&op| station.index_of(op).is_none());

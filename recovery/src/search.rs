@@ -15,6 +15,7 @@ use rustc_hash::FxHashMap;
 
 use crate::distance::{Aim, Cost, Distances};
 use crate::ends::{CommonEnds, KeptWay};
+use crate::restore::is_unknown;
 use crate::step::{PanelButton, RecoveryAction};
 use crate::units::{PlayedLine, PlayedStations, Resumed};
 
@@ -239,8 +240,9 @@ impl<'f, 'l> Search<'f, 'l> {
             }
         }
         let report = &units[station].report;
-        let is_unknown = report.generation == 0 && !report.incomplete.is_empty() && !self.is_task_driven(station);
-        let is_unknown = is_unknown && !self.is_confirmed(units, station);
+        let described = &self.floor.line.stations[station];
+        let is_confirmed = || !described.is_task_driven() && self.is_confirmed(units, station);
+        let is_unknown = is_unknown(described, report) && !is_confirmed();
         // A drive that can be homed says where its axis is; nobody has to judge it by eye.
         let is_homed = moves.iter().any(|made| made.homes);
         if (report.position_lost.is_some() && !is_homed) || is_unknown {

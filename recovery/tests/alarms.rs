@@ -109,6 +109,11 @@ fn a_station_in_manual_by_itself_is_led_and_given_auto_before_the_answer() {
 #[test]
 fn an_alarm_in_auto_is_a_step() {
     let (line, mut seen) = two_are_left_out(ControlMode::Auto);
+    // Out of service, at rests.
+    for report in seen.stations.iter_mut().flatten() {
+        (report.at_home, report.position_lost) = (true, None);
+        report.incomplete.clear();
+    }
     seen.alarms = vec![alarm(&[], &[])];
     let found = plan(&line, &seen);
     let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
@@ -251,4 +256,24 @@ fn from_hand_mode_a_station_is_led_after_stop() {
         .collect();
     assert_eq!(commands[..2], [ModeCommand::Stop, ModeCommand::Manual]);
     assert_eq!(found.end, RecoveryEnd::Auto);
+}
+
+/// It lost its journal at a rest, at no activity: no alarm asks about it, and nothing begins there.
+#[test]
+fn a_station_that_is_left_out_and_stopped_is_led_though_no_alarm_asks() {
+    for mode in [ControlMode::Auto, ControlMode::StandBy] {
+        let (line, mut seen) = two_are_left_out(mode);
+        seen.alarms.clear();
+        let left_out = seen.left_out.clone();
+        let found = plan(&line, &seen);
+        let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
+        for id in left_out {
+            let pressed =
+                place_of(&found.steps, |of| matches!(of, RecoveryAction::Press(station, _) if *station == id));
+            assert!(pressed.is_some(), "{mode:?}: {texts:#?}");
+        }
+        assert_eq!(found.end, RecoveryEnd::Auto);
+        seen.unsettled = vec!["`load M1` failed".to_owned()];
+        assert!(!plan(&line, &seen).steps.iter().any(|step| matches!(step.action, RecoveryAction::Press(..))), "later");
+    }
 }

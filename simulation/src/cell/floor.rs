@@ -19,8 +19,8 @@ use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
 use linewright_orders::LeaveWay;
 use linewright_plant::{NestPosition, PartNo, Plant, PlantOptions};
 use linewright_station_logic::{
-    self as station, CompileError, Controller, ModeOrder, NO_DELAY, PanelCommand, RejoinAt, Restore, StationInput,
-    StationSnapshot, TaskCommand, TaskOrder, TaskOrderReport,
+    self as station, CompileError, Controller, ModeOrder, NO_DELAY, OrderRules, PanelCommand, RejoinAt, Restore,
+    StationInput, StationSnapshot, TaskCommand, TaskOrder, TaskOrderReport,
 };
 
 /// Stations answer each other's motions so often at one moment at most.
@@ -61,6 +61,7 @@ pub struct ShopFloor {
     processes: Vec<Running>,
     now: Tick,
     lives: u64,
+    order_rules: OrderRules,
     /// The mode of all stations, but for those that are in emergency stop by themselves.
     order: ModeOrder,
     stopped: BTreeSet<StationId>,
@@ -108,6 +109,7 @@ impl ShopFloor {
             processes: Vec::new(),
             now: Tick::ZERO,
             lives: 0,
+            order_rules: OrderRules::default(),
             order: ModeOrder { manual_all: true, ..ModeOrder::of(1, 1, ControlMode::Auto, ModeOrder::FOR_GOOD) },
             stopped: BTreeSet::new(),
             stores: table.stores().iter().filter_map(|store| line.handling.holder_named(&store.name)).collect(),
@@ -172,11 +174,37 @@ impl ShopFloor {
     /// # Errors
     /// When it does not compile any more.
     pub fn restart(&mut self, station: StationId) -> Result<(), CompileError> {
+        self.start_again(station, Restore::From)
+    }
+
+    /// Starts it again without its journal.
+    ///
+    /// # Errors
+    /// When it does not compile any more.
+    pub fn restart_without_journal(&mut self, station: StationId) -> Result<(), CompileError> {
+        self.start_again(station, |_| Restore::Fresh)
+    }
+
+    fn start_again(
+        &mut self,
+        station: StationId,
+        restore: impl Fn(StationSnapshot) -> Restore,
+    ) -> Result<(), CompileError> {
         let Some((kept, _)) = self.processes[station.index()].down.take() else { return Ok(()) };
         self.plant.set_outputs(self.now, Owner::Station(station), 0);
-        self.processes[station.index()] = self.started(station, Restore::From(kept))?;
+        self.processes[station.index()] = self.started(station, restore(kept))?;
         self.settle();
         Ok(())
+    }
+
+    /// The same with some rules of orders switched off, in all lives of all stations.
+    #[must_use]
+    pub fn with_order_rules(mut self, rules: OrderRules) -> Self {
+        self.order_rules = rules;
+        for process in &mut self.processes {
+            process.controller = process.controller.clone().with_order_rules(rules);
+        }
+        self
     }
 
     /// All stations are in this mode from now on.
@@ -253,7 +281,7 @@ impl ShopFloor {
 
     fn started(&mut self, id: StationId, restore: Restore) -> Result<Running, CompileError> {
         self.lives += 1;
-        let mut controller = Controller::new(&self.line, id, self.lives, restore)?;
+        let mut controller = Controller::new(&self.line, id, self.lives, restore)?.with_order_rules(self.order_rules);
         controller.handle(self.now, StationInput::Order(self.order_for(id)));
         let (out, said) = (station::StationOutbox::default(), TaskOrderReport::default());
         Ok(Running { controller, out, image: None, said, down: None })
