@@ -142,7 +142,9 @@ impl World {
                 self.run_for(longest.mul_f64(1.3) + Duration::from_millis(500));
                 self.hold_resume(false);
             }
-            RecoveryAction::AutoAgain(station) | RecoveryAction::Hold { station, .. } => {
+            RecoveryAction::ManualAlone(station)
+            | RecoveryAction::AutoAgain(station)
+            | RecoveryAction::Hold { station, .. } => {
                 unreachable!("{station:?}: a line without a cell has no manual beside auto, and no alarm")
             }
             RecoveryAction::Selector(station, manual) => self.say_selector(station.index(), *manual),

@@ -183,6 +183,9 @@ impl RecoveryStep {
             },
             RecoveryAction::Command(ModeCommand::Stop) => "command stop, and wait until nothing moves".to_owned(),
             RecoveryAction::Command(command) => format!("command {}", command.name()),
+            RecoveryAction::ManualAlone(station) => {
+                format!("{}: command manual for it alone; the others stay in auto: stay clear of them", name(*station))
+            }
             RecoveryAction::AutoAgain(station) => format!("{}: command auto for it alone", name(*station)),
             RecoveryAction::Selector(station, manual) => {
                 format!("{}: selector to {}", name(*station), if *manual { "manual" } else { "auto" })
@@ -285,6 +288,7 @@ impl RecoveryStep {
             // What follows is refused before that.
             RecoveryAction::Command(ModeCommand::Stop) => words(&["mode", "LINE", "stop", "--wait"]),
             RecoveryAction::Command(command) => words(&["mode", "LINE", command.name()]),
+            RecoveryAction::ManualAlone(station) => words(&["mode", "LINE", "manual", "--station", &name(*station)]),
             RecoveryAction::AutoAgain(station) => words(&["mode", "LINE", "auto", "--station", &name(*station)]),
             RecoveryAction::Press(station, button) => {
                 let time = self.hold(line).as_secs_f64();
