@@ -231,6 +231,7 @@ fn put_right_beside_auto(rig: &Rig, operator: &Operator) {
         let modes = ["robot_1", "human"].map(|name| operator.station(name).mode);
         assert_eq!((line, modes), (StationState::MODE_AUTO, [StationState::MODE_AUTO; 2]), "{}", operator.picture());
     };
+    is_listed_beside_auto(rig);
     rig.said(&["mode"], &["manual", "--station", "robot_2"]).expect("it is left out");
     operator.wait("its panel acts", |heard| heard.station("robot_2").mode == StationState::MODE_MANUAL);
     operator.complete();
@@ -243,6 +244,19 @@ fn put_right_beside_auto(rig: &Rig, operator: &Operator) {
     operator.wait("it follows the line again", |heard| heard.station("robot_2").mode == StationState::MODE_AUTO);
     others_are_in_auto();
     is_answered(rig, &said);
+}
+
+/// `recover` lists that way: the only station that stands half-way.
+fn is_listed_beside_auto(rig: &Rig) {
+    let output = rig.command(&["recover"], &["--json"]).output().expect("the command starts");
+    let plan: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let steps = plan["steps"].as_array().expect("a list");
+    let kinds: Vec<&str> = steps.iter().filter_map(|step| step["kind"].as_str()).collect();
+    let ["manual_alone", presses @ .., "auto_again", "answer"] = &kinds[..] else { panic!("{plan:#}") };
+    assert!(!presses.is_empty() && presses.iter().all(|kind| *kind == "press"), "{plan:#}");
+    let words: Vec<&str> =
+        steps[0]["arguments"].as_array().expect("words").iter().filter_map(|word| word.as_str()).collect();
+    let ["mode", _, "manual", "--station", "robot_2"] = words[..] else { panic!("{plan:#}") };
 }
 
 /// Robot 2 has been stopped while it assembled. It is led to the end of its task by hand, and the alarm is answered with that.
