@@ -29,7 +29,7 @@ pub(crate) fn plan(
     let mut alone: Vec<StationId> = line.station_ids().filter(is_alone).collect();
     let joining: Vec<StationId> = led.iter().copied().filter(|id| !is_alone(id)).collect();
     match joining[..] {
-        [] if !alone.is_empty() => return Some(led_alone(line, situation, (&alone, led), reports)),
+        [] if !alone.is_empty() => Some(led_alone(line, situation, (&alone, led), reports)),
         [only] if may_be_led(line, situation, only, &reports[only.index()]) => {
             let mut reports = reports.to_vec();
             let mut steps = before_manual(line, situation, only, &mut reports[only.index()]);

@@ -127,6 +127,8 @@ fn planned_now(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     steps.extend(held(line, situation));
     let heard: Option<Vec<StationReport>> = situation.stations.iter().cloned().collect();
     let Some(mut reports) = heard.filter(|reports| reports.len() == line.stations.len()) else {
+        // Their answers say what to do where a station stays away.
+        steps.extend(answers(false));
         return RecoveryPlan::ends(steps, RecoveryEnd::LookAgain);
     };
     if is_in_auto && let Some(beside) = beside::plan(line, situation, &led, &reports) {

@@ -179,6 +179,19 @@ fn an_alarm_in_auto_is_a_step() {
     assert!(found.has_alarms());
 }
 
+/// Its answers say that a station is not received, and what to do where it stays away.
+#[test]
+fn an_alarm_is_listed_while_a_station_is_away() {
+    let (line, mut seen) = two_are_left_out(ControlMode::Auto);
+    let away = seen.left_out[0];
+    seen.stations[away.index()] = None;
+    let found = plan(&line, &seen);
+    let [heard, answer] = &found.steps[..] else { panic!("{:#?}", found.steps) };
+    assert_eq!(heard.action, RecoveryAction::First(Need::Heard(away)));
+    assert!(matches!(answer.action, RecoveryAction::First(Need::Answer(_))));
+    assert_eq!(found.end, RecoveryEnd::LookAgain);
+}
+
 #[test]
 fn a_station_in_emergency_stop_by_itself_is_reset_before_it_is_led() {
     let (line, mut seen) = two_are_left_out(ControlMode::StandBy);
