@@ -16,7 +16,7 @@
 
 use std::collections::BTreeMap;
 
-use linewright_line::{Grip, HolderId, MaterialFlow, Reach, Sign, Stand, StationId, Tick};
+use linewright_line::{Grip, HolderId, Line, MaterialFlow, Reach, Sign, Stand, StationId, Tick};
 
 use crate::fault::MotionFault;
 use crate::positions::{PartPosition, PositionsMisfit, misfit};
@@ -54,6 +54,22 @@ pub enum PartFault {
     Torn { part: PartNo, hand: HolderId },
     /// It was brought to where it cannot be: a place that has another part, or a closed clamp.
     Blocked { part: PartNo, hand: HolderId, spot: NestPosition },
+}
+
+impl PartFault {
+    /// Whether it has happened for certain. An axis with a drive is at each place that it passes, so a part may be brought there by the
+    /// way. And a nest of a station on another bus is simulated there: here it stands as it began, and keeps what was put into it.
+    pub fn is_certain(&self, line: &Line) -> bool {
+        let bus = |station: StationId| &line.station(station).bus;
+        let (hand, spot) = match *self {
+            PartFault::Blocked { .. } => return false,
+            PartFault::Fell { hand, cause: FallCause::Taken(spot) | FallCause::Shut(spot), .. } => (hand, spot),
+            PartFault::Fell { .. } | PartFault::Torn { .. } => return true,
+        };
+        let Grip::Hand(hand) = line.handling.holder(hand).grip else { return true };
+        let owner = line.handling.holder(spot.nest).name.split_once('.').and_then(|(name, _)| line.station_named(name));
+        owner.is_none_or(|station| bus(station) == bus(hand.station))
+    }
 }
 
 /// Why a part has fallen out of a hand.

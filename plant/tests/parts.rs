@@ -1,6 +1,6 @@
 //! Parts: a hand-written script picks and places; whatever outputs do, no part is lost and none is made.
 
-use linewright_line::{HolderId, Line, OutputId, Owner, StationId, Tick, parse};
+use linewright_line::{DeviceBus, HolderId, Line, OutputId, Owner, StationId, Tick, parse};
 use linewright_plant::{
     FallCause, MotionFault, NestPosition, PartFault, PartLocation, PartNo, PartRefusal, Plant, PlantOptions,
 };
@@ -233,6 +233,15 @@ fn a_closed_clamp_keeps_its_part_and_lets_no_other_in() {
     shop.robot(&["Y_open"]);
     let cause = FallCause::Shut(clamp);
     assert_eq!((shop.of(other).0, shop.mishaps()[2]), (None, PartFault::Fell { part: other, hand, cause }));
+    assert_eq!(shop.told()[0], "gripper `robot.hand` has left without its part, which a closed clamp holds");
+    let shut = "a part has fallen down and is gone: gripper `robot.hand` opened over `m1.clamp`, which is closed";
+    assert_eq!(shop.told()[2], shut);
+    // What was brought to the clamp may only have passed it. The clamp of a station on another bus is not simulated here.
+    let certain = |line: &Line| shop.mishaps().iter().map(|mishap| mishap.is_certain(line)).collect::<Vec<_>>();
+    assert_eq!(certain(&shop.line), [true, false, true]);
+    let mut apart = shop.line.clone();
+    apart.stations[M1.index()].bus = DeviceBus::Own("m1".to_owned());
+    assert_eq!(certain(&apart), [true, false, false]);
 }
 
 #[test]

@@ -18,7 +18,7 @@ use linewright_canopen::Frame;
 use linewright_fieldbus::bus::{self, BusError};
 use linewright_fieldbus::{Bus, Clock};
 use linewright_line::{Device, DeviceBus as BusName, Line, Tick};
-use linewright_plant::{PartFault, PlantOptions, PositionsWatch, Rack};
+use linewright_plant::{PlantOptions, PositionsWatch, Rack};
 use tokio::task::JoinSet;
 
 pub use kept::{KEPT_IN, Keeper, KeeperThread, KeptPositions, kept_positions};
@@ -282,15 +282,11 @@ impl RackRunner {
         Ok(())
     }
 
-    /// Parts that have fallen down, or were lost to a clamp. That one was brought to a place which has another is not reported: an
-    /// axis with a drive is at each place that it passes, and a part that is let go of there falls.
+    /// Parts that have fallen down, or were lost to a clamp.
     fn report_mishaps(&mut self) {
         let plant = self.rack.plant();
         let (mishaps, _) = plant.mishaps();
-        for (_, mishap) in mishaps.iter().skip(self.reported) {
-            if matches!(mishap, PartFault::Blocked { .. }) {
-                continue;
-            }
+        for (_, mishap) in mishaps.iter().skip(self.reported).filter(|(_, mishap)| mishap.is_certain(&self.line)) {
             let news = PlantNews::Mishap { what: mishap.text(&self.line, plant) }.to_string();
             tracing::warn!("{news}");
             self.mishap.into_iter().for_each(|report| report(&news));
