@@ -265,6 +265,8 @@ pub fn plant(args: PlantArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             bus: args.common.bus(),
             plant: linewright_plant::PlantOptions { people: true, ..Default::default() },
             clock: Clock::start(),
+            // Of a run: it reads them from standard output.
+            mishap: args.of_run.then_some(|text: &str| crate::out::say!("{text}")),
             run,
         };
         let stopped = async {

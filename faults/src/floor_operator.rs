@@ -127,6 +127,9 @@ impl FloorWorld {
             RecoveryAction::Command(command) => {
                 self.shell.handle(self.now, CoordinatorArrival::Command(*command));
             }
+            RecoveryAction::ManualAlone(station) => {
+                self.shell.handle(self.now, CoordinatorArrival::Single(*station, true));
+            }
             RecoveryAction::AutoAgain(station) => {
                 self.shell.handle(self.now, CoordinatorArrival::Single(*station, false));
             }

@@ -72,8 +72,10 @@ struct PlannedTrouble {
 }
 
 impl PlannedTrouble {
-    const fn fails_a_grip(&self) -> bool {
-        matches!(self.what, FloorTrouble::Motion(_, MotionFault::Miss | MotionFault::Drop, _))
+    /// Whether a part may fall: a grip fails, or the slot that a part is on its way to is forgotten.
+    const fn may_drop_a_part(&self) -> bool {
+        use FloorTrouble::{Killed, Motion};
+        matches!(self.what, Motion(_, MotionFault::Miss | MotionFault::Drop, _) | Killed { forgets: true })
     }
 }
 
@@ -222,8 +224,7 @@ pub(crate) struct FloorWorld {
     cell: Cell,
     observer: ConflictObserver,
     protocol: ProtocolRules,
-    /// Parts may fall.
-    grips_fail: bool,
+    parts_may_fall: bool,
     record: CoordinatorRecord,
     lives: usize,
     sequence: u64,
@@ -298,7 +299,7 @@ impl FloorWorld {
             stood_in: BTreeMap::new(),
             observer,
             protocol,
-            grips_fail: troubles.iter().any(|planned| planned.fails_a_grip()),
+            parts_may_fall: troubles.iter().any(|planned| planned.may_drop_a_part()),
             record,
             sequence: 0,
             troubles: troubles.into_iter().map(|planned| (planned, TroubleStage::Before)).collect(),
@@ -511,8 +512,12 @@ impl FloorWorld {
         let plant: &Plant = floor.plant();
         self.observer.look_everywhere(&self.line, |_| plant);
         let conflict = self.observer.seen().first().map(|seen| format!("conflict: {seen:?}"));
-        let mishap =
-            plant.mishaps().0.first().filter(|_| !self.grips_fail).map(|(at, mishap)| format!("at {at}: {mishap:?}"));
+        let mishap = plant
+            .mishaps()
+            .0
+            .first()
+            .filter(|_| !self.parts_may_fall)
+            .map(|(at, mishap)| format!("at {at}: {mishap:?}"));
         let trouble = floor.trouble.first().cloned();
         if let Some(found) = conflict.or(mishap).or(trouble) {
             self.finding = Some(found);
@@ -550,7 +555,7 @@ impl FloorWorld {
         if left.len() != floor.left.len() || left.len() as u64 + scrapped != work.parts {
             return Some(format!("{:?} have left of {} parts, {scrapped} were scrapped", floor.left, work.parts));
         }
-        if scrapped > 0 && !self.grips_fail {
+        if scrapped > 0 && !self.parts_may_fall {
             return Some(format!("{scrapped} parts were scrapped"));
         }
         if floor.plant().parts().count() > 0 {

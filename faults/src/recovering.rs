@@ -140,7 +140,9 @@ impl World {
                 self.run_for(step.hold(&self.line));
                 self.hold_resume(false);
             }
-            RecoveryAction::AutoAgain(station) | RecoveryAction::Hold { station, .. } => {
+            RecoveryAction::ManualAlone(station)
+            | RecoveryAction::AutoAgain(station)
+            | RecoveryAction::Hold { station, .. } => {
                 unreachable!("{station:?}: a line without a cell has no manual beside auto, and no alarm")
             }
             RecoveryAction::Selector(station, manual) => self.say_selector(station.index(), *manual),

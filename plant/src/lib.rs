@@ -32,7 +32,7 @@ pub use fault::{
     CLEAR, DeviceFault, FAULT_INDEX, FAULTS_INDEX, FaultWrite, HOLD_INDEX, InputFault, MotionFault, ObjectWrites,
     PART_OF_INDEX, PRESS_INDEX, SIMULATED, SIMULATED_INDEX, STUCK_INDEX, TROUBLE_INDEX,
 };
-pub use parts::{NestPosition, PartFault, PartLocation, PartNo, PartRefusal};
+pub use parts::{FallCause, NestPosition, PartFault, PartLocation, PartNo, PartRefusal};
 pub use plant::{Plant, PlantOptions};
 pub use positions::{AxisPosition, PartPosition, PositionsMisfit, PositionsWatch, RackPositions};
 pub use rack::Rack;

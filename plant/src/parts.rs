@@ -16,7 +16,7 @@
 
 use std::collections::BTreeMap;
 
-use linewright_line::{Grip, HolderId, MaterialFlow, Reach, Sign, Stand, StationId, Tick};
+use linewright_line::{Grip, HolderId, Line, MaterialFlow, Reach, Sign, Stand, StationId, Tick};
 
 use crate::fault::MotionFault;
 use crate::positions::{PartPosition, PositionsMisfit, misfit};
@@ -49,11 +49,42 @@ pub struct PartLocation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartFault {
     /// A hand has let go of it where nothing was to take it, or could not hold it.
-    Fell { part: PartNo, hand: HolderId },
+    Fell { part: PartNo, hand: HolderId, cause: FallCause },
     /// A hand has left with it while a clamp held it, and has lost it to the clamp.
     Torn { part: PartNo, hand: HolderId },
     /// It was brought to where it cannot be: a place that has another part, or a closed clamp.
     Blocked { part: PartNo, hand: HolderId, spot: NestPosition },
+}
+
+impl PartFault {
+    /// Whether it has happened for certain. An axis with a drive is at each place that it passes, so a part may be brought there by the
+    /// way. And a nest of a station on another bus is simulated there: here it stands as it began, and keeps what was put into it.
+    pub fn is_certain(&self, line: &Line) -> bool {
+        let bus = |station: StationId| &line.station(station).bus;
+        let (hand, spot) = match *self {
+            PartFault::Blocked { .. } => return false,
+            PartFault::Fell { hand, cause: FallCause::Taken(spot) | FallCause::Shut(spot), .. } => (hand, spot),
+            PartFault::Fell { .. } | PartFault::Torn { .. } => return true,
+        };
+        let Grip::Hand(hand) = line.handling.holder(hand).grip else { return true };
+        let owner = line.handling.holder(spot.nest).name.split_once('.').and_then(|(name, _)| line.station_named(name));
+        owner.is_none_or(|station| bus(station) == bus(hand.station))
+    }
+}
+
+/// Why a part has fallen out of a hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FallCause {
+    /// The hand opened where it reaches no nest.
+    OverNothing,
+    /// It opened over a nest, and the number on its outputs is that of no position there.
+    NoPosition { nest: HolderId, number: u16 },
+    /// It opened over a position with another part.
+    Taken(NestPosition),
+    /// It opened over a closed clamp.
+    Shut(NestPosition),
+    /// It was closed, and held nothing fast.
+    NotHeld,
 }
 
 /// Why a part is not put there or taken away by hand.
@@ -240,7 +271,7 @@ impl PlantParts {
         let hands: Vec<(HolderId, Stand)> = self.hands().collect();
         for &(hand, _) in &hands {
             if was[hand.index()] && !self.closed[hand.index()] {
-                self.open(now, hand);
+                self.open(now, hand, mechanisms);
             }
         }
         self.move_hands(now, mechanisms);
@@ -270,14 +301,35 @@ impl PlantParts {
     }
 
     /// A hand opens: the part stays where it is held by something else, or can lie.
-    fn open(&mut self, now: Tick, hand: HolderId) {
+    fn open(&mut self, now: Tick, hand: HolderId, mechanisms: &impl Mechanisms) {
         let Some(part) = self.in_hand(hand) else { return };
-        let free = |spot: &NestPosition| self.at(*spot).is_none() && !self.closed[spot.nest.index()];
-        let spot = self.parts[&part].spot.or_else(|| self.reached_by(hand).filter(free));
-        self.parts.insert(part, PartLocation { spot, hand: None });
-        if spot.is_none() {
-            self.note(now, PartFault::Fell { part, hand });
+        let lies = match self.parts[&part].spot {
+            Some(spot) => Ok(spot),
+            None => self.put_down(hand, mechanisms),
+        };
+        self.parts.insert(part, PartLocation { spot: lies.ok(), hand: None });
+        if let Err(cause) = lies {
+            self.note(now, PartFault::Fell { part, hand, cause });
         }
+    }
+
+    /// The spot in which a part comes to lie that a hand lets go of.
+    ///
+    /// # Errors
+    /// Why it falls.
+    fn put_down(&self, hand: HolderId, mechanisms: &impl Mechanisms) -> Result<NestPosition, FallCause> {
+        if let Some(spot) = self.reached_by(hand) {
+            return match (self.closed[spot.nest.index()], self.at(spot)) {
+                (true, _) => Err(FallCause::Shut(spot)),
+                (false, Some(_)) => Err(FallCause::Taken(spot)),
+                (false, None) => Ok(spot),
+            };
+        }
+        let stands = |reach: &&Reach| reach.hand == hand && reach.when.iter().all(|stand| mechanisms.stands(stand));
+        Err(self.handling.reaches.iter().find(stands).map_or(FallCause::OverNothing, |reach| {
+            let outputs = reach.when.first().map_or(0, |stand| mechanisms.outputs(stand.station));
+            FallCause::NoPosition { nest: reach.to, number: number(&reach.position, outputs) }
+        }))
     }
 
     /// Axes have left nests, or come to some.
@@ -350,7 +402,7 @@ impl PlantParts {
     fn drop_from(&mut self, now: Tick, hand: HolderId) {
         let Some(part) = self.in_hand(hand).filter(|part| self.parts[part].spot.is_none()) else { return };
         self.parts.insert(part, PartLocation::default());
-        self.note(now, PartFault::Fell { part, hand });
+        self.note(now, PartFault::Fell { part, hand, cause: FallCause::NotHeld });
     }
 
     /// Updates the sensors.

@@ -1,6 +1,10 @@
 //! The texts and words of the plant for operators. All of them are here; `tests/texts.rs` keeps a list of them.
 
+use linewright_line::{Grip, HolderId, Line};
+
 use crate::fault::{InputFault, MotionFault};
+use crate::parts::{FallCause, NestPosition, PartFault};
+use crate::plant::Plant;
 
 /// The word for the end of a fault, in scenarios and in `linewright fail`.
 pub const CLEAR_WORD: &str = "clear";
@@ -60,4 +64,71 @@ impl MotionFault {
             MotionFault::Drop => &["It moves, but the gripper that it has closed holds nothing fast."],
         }
     }
+}
+
+impl PartFault {
+    /// The mishap, with where it was. Parts have no numbers here: those of the plant are not the coordinator's.
+    pub fn text(&self, line: &Line, plant: &Plant) -> String {
+        let name = |holder: HolderId| format!("`{}`", line.handling.holder(holder).name);
+        let gripper = |hand: HolderId| format!("gripper {}", name(hand));
+        match *self {
+            PartFault::Fell { hand, cause, .. } => {
+                let hand_name = gripper(hand);
+                let why = match cause {
+                    FallCause::OverNothing => {
+                        format!("{hand_name} opened over no place for parts{}", axes(line, plant, hand))
+                    }
+                    FallCause::NoPosition { nest, number } => format!(
+                        "{hand_name} opened over {}, and the outputs with the position give {number}; positions are 1 to {}",
+                        name(nest),
+                        line.handling.holder(nest).places
+                    ),
+                    FallCause::Taken(spot) => {
+                        format!("{hand_name} opened over {}, where another part lies", spot_name(line, spot))
+                    }
+                    FallCause::Shut(spot) => {
+                        format!("{hand_name} opened over {}, which is closed", spot_name(line, spot))
+                    }
+                    FallCause::NotHeld => {
+                        format!("{hand_name} did not hold it fast{}", axes(line, plant, hand))
+                    }
+                };
+                format!("a part has fallen down and is gone: {why}")
+            }
+            PartFault::Torn { hand, .. } => {
+                format!("{} has left without its part, which a closed clamp holds", gripper(hand))
+            }
+            PartFault::Blocked { hand, spot, .. } => {
+                format!(
+                    "{} has brought a part to {}, which is closed or has another part",
+                    gripper(hand),
+                    spot_name(line, spot)
+                )
+            }
+        }
+    }
+}
+
+/// A nest, with the position where it has several.
+fn spot_name(line: &Line, spot: NestPosition) -> String {
+    let nest = line.handling.holder(spot.nest);
+    if nest.places > 1 { format!("position {} of `{}`", spot.position, nest.name) } else { format!("`{}`", nest.name) }
+}
+
+/// Where the axes stand that carry a hand; empty where there are none.
+fn axes(line: &Line, plant: &Plant, hand: HolderId) -> String {
+    let Grip::Hand(grip) = line.handling.holder(hand).grip else { return String::new() };
+    let mut carrying: Vec<_> =
+        line.handling.reaches.iter().filter(|reach| reach.hand == hand).flat_map(|reach| &reach.when).collect();
+    carrying.retain(|stand| (stand.station, stand.axis) != (grip.station, grip.axis));
+    let mut at: Vec<String> = carrying
+        .iter()
+        .map(|stand| {
+            let name = &line.station(stand.station).axes[stand.axis.index()].name;
+            format!("{name} at {:.1}", plant.position(stand.station, stand.axis))
+        })
+        .collect();
+    at.sort();
+    at.dedup();
+    if at.is_empty() { String::new() } else { format!(" ({})", at.join(", ")) }
 }

@@ -1,7 +1,9 @@
 //! Parts: a hand-written script picks and places; whatever outputs do, no part is lost and none is made.
 
-use linewright_line::{HolderId, Line, OutputId, Owner, StationId, Tick, parse};
-use linewright_plant::{MotionFault, NestPosition, PartFault, PartLocation, PartNo, PartRefusal, Plant, PlantOptions};
+use linewright_line::{DeviceBus, HolderId, Line, OutputId, Owner, StationId, Tick, parse};
+use linewright_plant::{
+    FallCause, MotionFault, NestPosition, PartFault, PartLocation, PartNo, PartRefusal, Plant, PlantOptions,
+};
 use proptest::prelude::*;
 
 const TEXT: &str = include_str!("../../model/line/tests/descriptions/task_driven.toml");
@@ -75,6 +77,11 @@ impl Shop {
     fn mishaps(&self) -> Vec<PartFault> {
         self.plant.mishaps().0.iter().map(|(_, mishap)| *mishap).collect()
     }
+
+    /// The mishaps as operators read them.
+    fn told(&self) -> Vec<String> {
+        self.mishaps().iter().map(|mishap| mishap.text(&self.line, &self.plant)).collect()
+    }
 }
 
 #[test]
@@ -145,7 +152,7 @@ fn a_hand_that_holds_nothing_fast_drops_what_it_carries() {
         }
         assert_eq!(
             (shop.of(PART), shop.mishaps()),
-            ((None, None), vec![PartFault::Fell { part: PART, hand }]),
+            ((None, None), vec![PartFault::Fell { part: PART, hand, cause: FallCause::NotHeld }]),
             "{early}"
         );
         shop.drive(ROBOT, &["Y_100"], 500);
@@ -164,7 +171,44 @@ fn what_a_hand_lets_go_of_on_the_way_falls() {
     shop.pick();
     shop.drive(ROBOT, &["Y_100"], 500);
     shop.drive(ROBOT, &["Y_open"], 1);
-    assert_eq!((shop.of(PART), shop.mishaps()), ((None, None), vec![PartFault::Fell { part: PART, hand }]));
+    let cause = FallCause::OverNothing;
+    assert_eq!((shop.of(PART), shop.mishaps()), ((None, None), vec![PartFault::Fell { part: PART, hand, cause }]));
+    assert_eq!(
+        shop.told(),
+        ["a part has fallen down and is gone: gripper `robot.hand` opened over no place for parts (arm at 75.0)"]
+    );
+}
+
+/// Without the outputs with its position a store has no place for a part, and a place that has one has none for another.
+#[test]
+fn what_is_put_down_in_no_position_or_in_a_taken_one_falls() {
+    let mut shop = Shop::new();
+    let (slot, hand) = (shop.slot(3), shop.holder("robot.hand"));
+    shop.put(PART, slot);
+    shop.pick();
+    shop.robot(&["Y_100"]);
+    shop.robot(&["Y_50"]);
+    shop.robot(&["Y_open"]);
+    let cause = FallCause::NoPosition { nest: slot.nest, number: 0 };
+    assert_eq!((shop.of(PART), shop.mishaps()), ((None, None), vec![PartFault::Fell { part: PART, hand, cause }]));
+    shop.put(PART, slot);
+    shop.robot(&["Y_0"]);
+    shop.pick();
+    shop.robot(&["Y_100"]);
+    let (other, taken) = (PartNo(102), shop.slot(4));
+    shop.put(other, taken);
+    shop.robot(&["Y_50", "slot_4"]);
+    shop.robot(&["Y_open", "slot_4"]);
+    assert_eq!((shop.of(PART), shop.of(other)), ((None, None), (Some(taken), None)));
+    assert_eq!(
+        shop.told(),
+        [
+            "a part has fallen down and is gone: gripper `robot.hand` opened over `ST`, and the outputs with the position give 0; \
+             positions are 1 to 6",
+            "gripper `robot.hand` has brought a part to position 4 of `ST`, which is closed or has another part",
+            "a part has fallen down and is gone: gripper `robot.hand` opened over position 4 of `ST`, where another part lies",
+        ]
+    );
 }
 
 #[test]
@@ -186,6 +230,18 @@ fn a_closed_clamp_keeps_its_part_and_lets_no_other_in() {
     shop.robot(&["Y_100"]);
     assert_eq!(shop.of(other), (None, Some(hand)));
     assert_eq!(shop.mishaps()[1..], [PartFault::Blocked { part: other, hand, spot: clamp }]);
+    shop.robot(&["Y_open"]);
+    let cause = FallCause::Shut(clamp);
+    assert_eq!((shop.of(other).0, shop.mishaps()[2]), (None, PartFault::Fell { part: other, hand, cause }));
+    assert_eq!(shop.told()[0], "gripper `robot.hand` has left without its part, which a closed clamp holds");
+    let shut = "a part has fallen down and is gone: gripper `robot.hand` opened over `m1.clamp`, which is closed";
+    assert_eq!(shop.told()[2], shut);
+    // What was brought to the clamp may only have passed it. The clamp of a station on another bus is not simulated here.
+    let certain = |line: &Line| shop.mishaps().iter().map(|mishap| mishap.is_certain(line)).collect::<Vec<_>>();
+    assert_eq!(certain(&shop.line), [true, false, true]);
+    let mut apart = shop.line.clone();
+    apart.stations[M1.index()].bus = DeviceBus::Own("m1".to_owned());
+    assert_eq!(certain(&apart), [true, false, false]);
 }
 
 #[test]

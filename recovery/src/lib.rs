@@ -16,10 +16,12 @@
 //! through that could still be shorter. A lower bound for each station (`distance`) is its own way without the others.
 //! The stations of one failed activity of a cell are led to the same end of it (`ends`), in the order in which they do their
 //! operations or its reverse (`order`).
+//! In auto a single one of them is led by itself, while the others go on (`beside`).
 //! A station that an alarm asks to be brought to another rest is brought there by a button of hand mode (`bring`).
 //! Why a found plan has its presses follows from playing it again (`reason`).
 //! [`TRIED_MAX`] bounds the search; beyond it any plan is taken, and says that it may not be the shortest.
 
+mod beside;
 mod bring;
 mod desk;
 mod distance;

@@ -7,6 +7,7 @@ use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{InputId, Line, OpId, StationId};
 use linewright_station_logic::StationReport;
 
+use crate::beside;
 use crate::bring;
 use crate::desk::Desk;
 use crate::ends::{CommonEnds, LedActivity};
@@ -51,7 +52,7 @@ pub struct RecoveryPlan {
 }
 
 impl RecoveryPlan {
-    fn ends(steps: Vec<RecoveryStep>, end: RecoveryEnd) -> Self {
+    pub(crate) fn ends(steps: Vec<RecoveryStep>, end: RecoveryEnd) -> Self {
         RecoveryPlan { steps, end, is_shortest: true, begins_anew: false, led: Vec::new(), expanded: 0 }
     }
 
@@ -126,11 +127,11 @@ fn planned_now(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     steps.extend(held(line, situation));
     let heard: Option<Vec<StationReport>> = situation.stations.iter().cloned().collect();
     let Some(mut reports) = heard.filter(|reports| reports.len() == line.stations.len()) else {
+        // Their answers say what to do where a station stays away.
+        steps.extend(answers(false));
         return RecoveryPlan::ends(steps, RecoveryEnd::LookAgain);
     };
-    let alone: Vec<StationId> = line.station_ids().filter(|id| is_alone(&reports[id.index()], is_in_auto)).collect();
-    if !alone.is_empty() && led.iter().all(|id| alone.contains(id)) {
-        let beside = beside_auto(line, situation, (&alone, &led), &reports);
+    if is_in_auto && let Some(beside) = beside::plan(line, situation, &led, &reports) {
         steps.extend(beside.steps);
         steps.extend(answers(false));
         return RecoveryPlan { led: beside.led, ..RecoveryPlan::ends(steps, RecoveryEnd::Auto) };
@@ -220,41 +221,6 @@ fn planned_now(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     }
 }
 
-/// Whether a station is in manual by itself, while the line is in auto.
-fn is_alone(report: &StationReport, is_in_auto: bool) -> bool {
-    is_in_auto && report.mode == Some(ControlMode::Manual)
-}
-
-/// Stations in manual by themselves are led to a rest where an alarm asks for it, and given auto again.
-fn beside_auto(
-    line: &Line,
-    situation: &LineSituation,
-    (alone, led): (&[StationId], &[StationId]),
-    reports: &[StationReport],
-) -> RecoveryPlan {
-    let mut plan = RecoveryPlan::ends(Vec::new(), RecoveryEnd::Auto);
-    if !led.is_empty() {
-        let left_out = line.station_ids().collect();
-        let manual = LineSituation { mode: ControlMode::Manual, left_out, ..situation.clone() };
-        let units: Result<PlayedStations, RestoreMisfit> =
-            line.station_ids().zip(reports).map(|(id, report)| unit(line, id, report).map(Rc::new)).collect();
-        if let Ok(units) = units {
-            plan = by_commands_and_presses(line, &manual, led, units);
-            let is_of_all =
-                |step: &RecoveryStep| matches!(step.action, RecoveryAction::Command(_) | RecoveryAction::Hold { .. });
-            plan.steps.retain(|step| !is_of_all(step));
-        }
-    }
-    plan.steps.extend(alone.iter().map(|&station| RecoveryStep {
-        action: RecoveryAction::AutoAgain(station),
-        moves: Vec::new(),
-        is_doubtful: false,
-        mode: ControlMode::Auto,
-        after: None,
-    }));
-    plan
-}
-
 /// Stations at rests where nothing begins are brought to others in hand mode.
 fn brought(line: &Line, situation: &LineSituation, units: &PlayedStations) -> Option<RecoveryPlan> {
     let floor = PlayedLine::new(line, units);
@@ -287,7 +253,7 @@ fn in_hand(line: &Line, way: bring::WayInHand) -> Vec<RecoveryStep> {
 }
 
 /// `led`: stations that an alarm asks to be led to a rest, though the mode does not depend on them.
-fn by_commands_and_presses(
+pub(crate) fn by_commands_and_presses(
     line: &Line,
     situation: &LineSituation,
     led: &[StationId],

@@ -66,6 +66,8 @@ pub enum Need {
 pub enum RecoveryAction {
     First(Need),
     Command(ModeCommand),
+    /// Manual for a station by itself, while the others stay in auto.
+    ManualAlone(StationId),
     /// Auto for a station that is in manual by itself.
     AutoAgain(StationId),
     /// Held until the motion has arrived, then released.
@@ -135,6 +137,7 @@ impl RecoveryAction {
             RecoveryAction::Command(_) | RecoveryAction::Resume => None,
             RecoveryAction::Press(station, _)
             | RecoveryAction::Selector(station, _)
+            | RecoveryAction::ManualAlone(station)
             | RecoveryAction::AutoAgain(station) => Some(*station),
             RecoveryAction::Rejoin { station, .. } | RecoveryAction::Hold { station, .. } => Some(*station),
         }

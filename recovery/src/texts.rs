@@ -183,6 +183,9 @@ impl RecoveryStep {
             },
             RecoveryAction::Command(ModeCommand::Stop) => "command stop, and wait until nothing moves".to_owned(),
             RecoveryAction::Command(command) => format!("command {}", command.name()),
+            RecoveryAction::ManualAlone(station) => {
+                format!("{}: command manual for it alone; the others stay in auto: stay clear of them", name(*station))
+            }
             RecoveryAction::AutoAgain(station) => format!("{}: command auto for it alone", name(*station)),
             RecoveryAction::Selector(station, manual) => {
                 format!("{}: selector to {}", name(*station), if *manual { "manual" } else { "auto" })
@@ -242,8 +245,24 @@ impl RecoveryStep {
                     }
                     (RejoinAt::Measured | RejoinAt::Rest(_), _) => "look where it stands, then rejoin".to_owned(),
                 };
-                format!("{}: {stands}", name(*station))
+                format!("{}: {stands}{}", name(*station), self.lost_numbers(line, *station))
             }
+        }
+    }
+
+    /// After a confirmation within a task that has parameters: they are lost with the journal, and its outputs for them are off.
+    fn lost_numbers(&self, line: &Line, station: StationId) -> String {
+        let described = line.station(station);
+        let within = self.after.iter().filter(|after| !after.at_home).flat_map(|after| &after.places);
+        let mut parameters = within
+            .filter_map(|place| described.task_of(place.op))
+            .flat_map(|task| &described.task(task).parameters)
+            .map(|parameter| parameter.name.as_str());
+        match parameters.next() {
+            Some(name) => format!(
+                ". Its `{name}` is lost with its journal, and the outputs for it are off: take out what it carries before it is led on"
+            ),
+            None => String::new(),
         }
     }
 
@@ -284,6 +303,7 @@ impl RecoveryStep {
             // What follows is refused before that.
             RecoveryAction::Command(ModeCommand::Stop) => words(&["mode", "LINE", "stop", "--wait"]),
             RecoveryAction::Command(command) => words(&["mode", "LINE", command.name()]),
+            RecoveryAction::ManualAlone(station) => words(&["mode", "LINE", "manual", "--station", &name(*station)]),
             RecoveryAction::AutoAgain(station) => words(&["mode", "LINE", "auto", "--station", &name(*station)]),
             RecoveryAction::Press(station, button) => {
                 let time = self.hold(line).as_secs_f64();

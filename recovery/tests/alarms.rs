@@ -2,7 +2,7 @@
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
-use linewright_line::{Line, StationId, Tick};
+use linewright_line::{InputId, Line, OpId, StationId, Tick};
 use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, StandingAlarm, plan};
 use linewright_station_logic::{Controller, NO_DELAY, Restore, StationInput, StationOutbox, StationSnapshot};
 
@@ -32,9 +32,7 @@ fn two_are_left_out(mode: ControlMode) -> (Line, LineSituation) {
     let held: Vec<StationId> = line.station_ids().filter(stopped).take(2).collect();
     for id in line.station_ids().filter(|id| !held.contains(id)) {
         let mut controller = Controller::new(&line, id, 7, Restore::Fresh).expect("a shipped station compiles");
-        let station = line.station(id);
-        let home = StationPlace::completed(station.home);
-        let bits = station.rest_inputs(home) | station.operations[station.home.index()].normal.complete.bit();
+        let bits = at_home(&line, id);
         let (now, until, under) = (Tick::from_millis(1), Tick::NEVER, NO_DELAY);
         controller.handle(now, StationInput::Inputs { bits, valid: true, until, under });
         controller.step(now, &mut StationOutbox::default());
@@ -44,6 +42,13 @@ fn two_are_left_out(mode: ControlMode) -> (Line, LineSituation) {
     seen.left_out = held;
     seen.mode = mode;
     (line, seen)
+}
+
+/// Its switches at home.
+fn at_home(line: &Line, id: StationId) -> u128 {
+    let station = line.station(id);
+    let home = StationPlace::completed(station.home);
+    station.rest_inputs(home) | station.operations[station.home.index()].normal.complete.bit()
 }
 
 fn place_of(steps: &[linewright_recovery::RecoveryStep], is_it: impl Fn(&RecoveryAction) -> bool) -> Option<usize> {
@@ -106,6 +111,59 @@ fn a_station_in_manual_by_itself_is_led_and_given_auto_before_the_answer() {
     assert_eq!(found.steps.len(), alone.len() + 1);
 }
 
+/// One station alone half-way takes two commands, and the others go on. What manual by itself does not lead, or is not granted, is led in
+/// manual of the line.
+#[test]
+fn a_single_station_that_stands_half_way_is_led_beside_auto() {
+    let whole = |line: &Line, seen: &LineSituation| {
+        let found = plan(line, seen);
+        let texts: Vec<String> = found.steps.iter().map(|step| step.text(line)).collect();
+        let stop = place_of(&found.steps, |of| *of == RecoveryAction::Command(ModeCommand::Stop));
+        assert_eq!(found.end, RecoveryEnd::Auto, "{texts:#?}");
+        (stop.is_some(), found, texts)
+    };
+    let (line, mut seen) = two_are_left_out(ControlMode::Auto);
+    let [one, other] = seen.left_out[..] else { panic!("two") };
+    let at_rest = seen.stations.iter().flatten().find(|report| report.at_home).cloned().expect("one stands at a rest");
+    seen.left_out = vec![one];
+    seen.alarms = vec![alarm(&[one], &[])];
+    let stands = seen.stations[other.index()].as_mut().expect("heard");
+    (stands.at_home, stands.position_lost, stands.mode) = (true, None, at_rest.mode);
+    stands.incomplete.clear();
+    let (is_whole, found, texts) = whole(&line, &seen);
+    assert!(!is_whole, "{texts:#?}");
+    let name = &line.station(one).name;
+    assert_eq!(found.steps[0].action, RecoveryAction::ManualAlone(one), "{texts:#?}");
+    assert_eq!(found.steps[0].commands(&line), [["mode", "LINE", "manual", "--station", name]]);
+    let [presses @ .., again, answer] = &found.steps[1..] else { panic!("{texts:#?}") };
+    assert!(!presses.is_empty(), "{texts:#?}");
+    assert!(presses.iter().all(|step| matches!(step.action, RecoveryAction::Press(id, _) if id == one)), "{texts:#?}");
+    assert_eq!(again.action, RecoveryAction::AutoAgain(one), "{texts:#?}");
+    assert!(matches!(answer.action, RecoveryAction::First(Need::Answer(_))), "{texts:#?}");
+    // It is reset before.
+    seen.alarms[0].reset = vec![one];
+    let (is_whole, found, texts) = whole(&line, &seen);
+    assert_eq!((is_whole, &found.steps[0].action), (false, &RecoveryAction::First(Need::Reset(one))), "{texts:#?}");
+    seen.alarms[0].reset.clear();
+
+    let mut moves = seen.clone();
+    moves.alarms[0].at_order = vec![other];
+    assert!(whole(&line, &moves).0, "a station of its activity still has an order");
+    let mut stops = seen.clone();
+    stops.is_stopping = true;
+    assert!(plan(&line, &stops).steps.iter().all(|step| step.action != RecoveryAction::ManualAlone(one)));
+    let mut takes_part = seen.clone();
+    takes_part.left_out.clear();
+    assert!(whole(&line, &takes_part).0, "it takes part in auto");
+    // Its mechanism stands at no switch of where it was stopped, but at those of a rest.
+    let mut lost = seen.clone();
+    let report = lost.stations[one.index()].as_mut().expect("heard");
+    (report.measured, report.position_lost) = (at_home(&line, one), Some((OpId(0), InputId(0))));
+    let (is_whole, found, texts) = whole(&line, &lost);
+    assert!(place_of(&found.steps, |of| matches!(of, RecoveryAction::Rejoin { .. })).is_some(), "{texts:#?}");
+    assert!(is_whole, "its place is to be confirmed, which is not done in manual by itself: {texts:#?}");
+}
+
 #[test]
 fn an_alarm_in_auto_is_a_step() {
     let (line, mut seen) = two_are_left_out(ControlMode::Auto);
@@ -124,6 +182,19 @@ fn an_alarm_in_auto_is_a_step() {
         "{texts:#?}"
     );
     assert!(found.has_alarms());
+}
+
+/// Its answers say that a station is not received, and what to do where it stays away.
+#[test]
+fn an_alarm_is_listed_while_a_station_is_away() {
+    let (line, mut seen) = two_are_left_out(ControlMode::Auto);
+    let away = seen.left_out[0];
+    seen.stations[away.index()] = None;
+    let found = plan(&line, &seen);
+    let [heard, answer] = &found.steps[..] else { panic!("{:#?}", found.steps) };
+    assert_eq!(heard.action, RecoveryAction::First(Need::Heard(away)));
+    assert!(matches!(answer.action, RecoveryAction::First(Need::Answer(_))));
+    assert_eq!(found.end, RecoveryEnd::LookAgain);
 }
 
 #[test]

@@ -80,7 +80,9 @@ pub fn follow(sim: &mut LineSim, step: &RecoveryStep) {
             run_for(sim, Duration::from_secs(20));
             act(sim, OperatorAction::Buttons(0));
         }
-        RecoveryAction::AutoAgain(_) => panic!("no station is in manual by itself: {}", described(sim)),
+        RecoveryAction::ManualAlone(_) | RecoveryAction::AutoAgain(_) => {
+            panic!("no station is led beside auto here: {}", described(sim))
+        }
         RecoveryAction::Selector(station, manual) => act(sim, OperatorAction::Selector(*station, *manual)),
         RecoveryAction::Rejoin { station, at, .. } => {
             let within = match at {

@@ -1,14 +1,13 @@
 //! `fail`: injects faults into simulated mechanisms, inputs and devices, over CAN or Modbus.
 
 mod cleared;
+mod motions;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use linewright_line::{
-    Device, DeviceKind, Grip, InputId, Line, Operation, OperationModule, OutputId, Owner, StationId,
-};
+use linewright_line::{Device, DeviceKind, InputId, Line, Owner};
 use linewright_node_shell::RosArgs;
 use linewright_plant::{CLEAR, FAULT_INDEX, InputFault, MotionFault, ObjectWrites};
 use miette::{IntoDiagnostic, miette};
@@ -17,6 +16,7 @@ use super::injected::InjectedFault;
 use super::simulated::SimulatedDevice;
 use crate::load;
 use cleared::Cleared;
+use motions::{closes_a_gripper, has_fault_signal, motion, no_gripper};
 
 /// Make a simulated mechanism, switch or device fail.
 #[derive(Debug, Args)]
@@ -30,7 +30,8 @@ pub struct FailArgs {
     station: String,
     /// Fault, or `clear`.
     what: InjectedFault,
-    /// Operation whose motion has the fault; required for a fault of a motion.
+    /// Operation whose motion has the fault; required for a fault of a motion. It is one of the output that moves it: other motions
+    /// by that output, which are named, have it as well.
     #[arg(long)]
     operation: Option<String>,
     /// The fault is one of the operation's recovery motion instead of the normal one.
@@ -74,11 +75,11 @@ pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             }
         }
         let at = reached.place();
-        let moved = if args.operation.is_some() { moved(&line, &args)? } else { Vec::new() };
-        let named: Vec<String> = args.input.iter().cloned().chain(moved).collect();
-        let named = if named.is_empty() { String::new() } else { format!(" {}", named.join(", ")) };
+        let named = args.input.clone().or_else(|| motions::named(&args));
+        let named = named.map_or_else(String::new, |name| format!(" {name}"));
         crate::out::say!("{} ({at}):{named} {what}", device.name);
-        effect(&line, device, args.what).into_iter().for_each(|text| crate::out::say!("{text}"));
+        let others = if args.operation.is_some() { motions::others(&line, &args)? } else { None };
+        others.into_iter().chain(effect(&line, device, args.what)).for_each(|text| crate::out::say!("{text}"));
     }
     for text in super::started_with_another(&line, &args.line, ros).await {
         crate::out::complain!("{text}");
@@ -243,104 +244,14 @@ fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
     Err(miette!("no device of {} drives {name}", args.station))
 }
 
-/// The motions that have the fault: the named one first, then all others of its output. Recovery motions are named where one is
-/// meant.
-fn moved(line: &Line, args: &FailArgs) -> miette::Result<Vec<String>> {
-    let (id, output) = motion(line, args)?;
-    let of = |operation: &Operation| match &operation.module {
-        _ if operation.normal.actuator == output => Some(operation.name.clone()),
-        OperationModule::Reversible { recovery, .. } if args.recovery && recovery.actuator == output => {
-            Some(format!("recovery of {}", operation.name))
-        }
-        OperationModule::Reversible { .. } | OperationModule::Irreversible { .. } => None,
-    };
-    let is_named = |operation: &&Operation| args.operation.as_deref() == Some(operation.name.as_str());
-    let operations = &line.station(id).operations;
-    let first = operations.iter().filter(is_named);
-    let others = operations.iter().filter(|operation| !is_named(operation));
-    Ok(first.chain(others).filter_map(of).collect())
-}
-
-/// Whether a motion of the output that moves it has a fault signal.
-fn has_fault_signal(line: &Line, args: &FailArgs) -> miette::Result<bool> {
-    let (id, output) = motion(line, args)?;
-    let signals = |operation: &Operation| {
-        let back = match &operation.module {
-            OperationModule::Reversible { recovery, .. } => Some(*recovery),
-            OperationModule::Irreversible { .. } => None,
-        };
-        [Some(operation.normal), back]
-    };
-    let mut all = line.station(id).operations.iter().flat_map(signals).flatten();
-    Ok(all.any(|signals| signals.actuator == output && signals.fault.is_some()))
-}
-
-/// Whether a motion of the output that moves it ends where a gripper is closed.
-fn closes_a_gripper(line: &Line, args: &FailArgs) -> miette::Result<bool> {
-    let (id, output) = motion(line, args)?;
-    Ok(line.station(id).operations.iter().any(|operation| closes(line, id, operation, Some(output))))
-}
-
-/// Whether the normal or recovery motion of an operation, by this output if one is given, ends where a gripper is closed.
-fn closes(line: &Line, station: StationId, operation: &Operation, output: Option<OutputId>) -> bool {
-    /// Nearer than every switch can tell.
-    const SAME_PLACE: f64 = 1e-6;
-    let motion = &operation.motion;
-    let back = match &operation.module {
-        OperationModule::Reversible { recovery, .. } => Some((recovery.actuator, motion.from)),
-        OperationModule::Irreversible { .. } => None,
-    };
-    let ends = std::iter::once((operation.normal.actuator, motion.to)).chain(back);
-    ends.filter(|(actuator, _)| output.is_none_or(|output| output == *actuator)).any(|(_, end)| {
-        line.handling.holders.iter().any(|holder| {
-            let Grip::Hand(stand) = holder.grip else { return false };
-            (stand.station, stand.axis) == (station, motion.axis) && (stand.at - end).abs() < SAME_PLACE
-        })
-    })
-}
-
-fn no_gripper(line: &Line, args: &FailArgs, fault: MotionFault) -> miette::Report {
-    let of_station = |(id, name): (StationId, &str)| {
-        let operations = line.station(id).operations.iter().filter(|operation| closes(line, id, operation, None));
-        operations.map(|operation| format!("`{}` of {name}", operation.name)).collect::<Vec<_>>()
-    };
-    let stations = line.station_ids().map(|id| (id, line.station(id).name.as_str()));
-    let closing: Vec<String> = stations.flat_map(of_station).collect();
-    let help = match closing.is_empty() {
-        true => "no station of the description has a gripper, a holder of `kind = \"hand\"`".to_owned(),
-        false => format!("motions of grippers: {}", closing.join(", ")),
-    };
-    let operation = args.operation.as_deref().unwrap_or_default();
-    miette!(help = help, "`{operation}` of {} closes no gripper: it cannot {}", args.station, fault.name())
-}
-
-/// The station of a motion, and its output.
-fn motion(line: &Line, args: &FailArgs) -> miette::Result<(StationId, OutputId)> {
-    let id = load::station(line, &args.station)?;
-    let station = line.station(id);
-    let name = args.operation.as_deref().unwrap_or_default();
-    let op = station.operation_named(name).ok_or_else(|| {
-        let known = || station.operations.iter().map(|o| o.name.as_str());
-        let error = miette!("{} has no operation `{name}`; it has {}", args.station, quoted(known()));
-        load::or_meant(error, name, known())
-    })?;
-    let operation = &station.operations[op.index()];
-    match (&operation.module, args.recovery) {
-        (_, false) => Ok((id, operation.normal.actuator)),
-        (OperationModule::Reversible { recovery, .. }, true) => Ok((id, recovery.actuator)),
-        (OperationModule::Irreversible { .. }, true) => {
-            Err(miette!("{name} is irreversible: it has no recovery motion"))
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use linewright_line::{Operation, OperationModule};
     use linewright_plant::PRESS_INDEX;
 
     use super::*;
 
-    const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/line.toml");
+    pub const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/line.toml");
     const DRIVES: &str = include_str!("../../../model/line/tests/descriptions/drives.toml");
 
     pub fn args(station: &str, what: InjectedFault) -> FailArgs {
@@ -463,38 +374,5 @@ mod tests {
             }
         }
         assert!(refused > 0);
-    }
-
-    /// It would end with 0 and do nothing.
-    #[test]
-    fn a_motion_that_closes_no_gripper_does_not_miss_and_drops_nothing() {
-        let cell = linewright_line::parse("line.toml", C1).expect("it parses").line;
-        let shipped = linewright_line::TransferLine::default().text();
-        let shipped = linewright_line::parse("line.toml", &shipped).expect("it parses").line;
-        let fails = |line: &Line, station: &str, operation: &str, fault| {
-            let what = InjectedFault::Motion(fault);
-            orders(line, &FailArgs { operation: Some(operation.to_owned()), ..args(station, what) }).map(drop)
-        };
-        for fault in [MotionFault::Miss, MotionFault::Drop] {
-            fails(&cell, "robot", "grasp for m1", fault).expect("it closes the gripper");
-            let why = fails(&cell, "robot", "carry to m1", fault).expect_err("nothing closes");
-            assert!(why.to_string().contains("closes no gripper: it cannot"), "{why}");
-            assert!(why.help().is_some_and(|help| help.to_string().contains("`grasp for m1` of robot")), "{why:?}");
-            let why = fails(&shipped, "clamp_1", "advance clamp", fault).expect_err("there are no parts");
-            assert!(why.help().is_some_and(|help| help.to_string().contains("has a gripper")), "{why:?}");
-        }
-    }
-
-    #[test]
-    fn all_operations_of_an_output_have_its_fault() {
-        let text = linewright_line::TransferLine::default().text();
-        let line = linewright_line::parse("line.toml", &text).expect("it parses").line;
-        let of = |operation: &str, recovery| {
-            let miss = InjectedFault::Motion(MotionFault::Miss);
-            let args = FailArgs { operation: Some(operation.to_owned()), recovery, ..args("clamp_1", miss) };
-            moved(&line, &args).map(|names| names.join(", ")).expect("operations")
-        };
-        assert_eq!(of("advance clamp", false), "advance clamp");
-        assert_eq!(of("advance clamp", true), "recovery of advance clamp, return clamp");
     }
 }

@@ -248,6 +248,7 @@ mod tests {
             plant: linewright_plant::PlantOptions::default(),
             clock: linewright_fieldbus::Clock::start(),
             run: run.map(str::to_owned),
+            mishap: None,
         };
         let line = line.clone();
         tokio::spawn(async move {

@@ -6,8 +6,10 @@ use linewright_recovery::StandingAlarm;
 use serde::Serialize;
 
 /// First characters of the coordinator's remark on an answer, each with the verdict that it states.
-const VERDICTS: [(&str, AnswerFit); 3] = [
+const VERDICTS: [(&str, AnswerFit); 5] = [
     ("fits the sensors", AnswerFit::Fits),
+    ("not measured: ", AnswerFit::NotMeasured),
+    ("not known: ", AnswerFit::NotKnown),
     ("contradicts the sensors: ", AnswerFit::Contradicts),
     ("refused now: ", AnswerFit::Refused),
 ];
@@ -18,9 +20,9 @@ pub struct AnswerJson {
     answer: String,
     /// What becomes of the activity, and where its part is then.
     meaning: String,
-    /// Null where sensors say nothing of it.
+    /// Null where the alarm says what is so of every answer.
     verdict: Option<AnswerFit>,
-    /// Sensors that contradict it, or why it is refused.
+    /// Sensors that contradict it, why it is refused, where to look, or which station is not received.
     why: Option<String>,
 }
 
@@ -29,6 +31,12 @@ pub struct AnswerJson {
 #[serde(rename_all = "lowercase")]
 pub enum AnswerFit {
     Fits,
+    /// No sensor sees what it claims.
+    #[serde(rename = "not measured")]
+    NotMeasured,
+    /// A station is not received.
+    #[serde(rename = "not known")]
+    NotKnown,
     Contradicts,
     Refused,
 }
@@ -73,6 +81,7 @@ mod tests {
     use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, SensorMismatch};
     use linewright_coordinator_cell::texts::judged;
     use linewright_coordinator_cell::{AlarmId, AnswerVerdict, PlayerState, ResourceId};
+    use linewright_line::StationId;
 
     use super::*;
 
@@ -91,11 +100,14 @@ mod tests {
         let state = PlayerState::new(Arc::new(compiled.table));
         let found = SensorMismatch { resource: ResourceId(1), model: true, plant: false };
         let (off, none) = ("M1: part expected, sensor off", "M1: sensor on, but the answer states no part there");
+        let silent = "no state received from m1; start it again, or look at its host and network";
         for (verdict, fit, why) in [
-            (AnswerVerdict::Taken { is_confirmed: true }, Some(AnswerFit::Fits), None),
+            (AnswerVerdict::Taken { unseen: Vec::new() }, Some(AnswerFit::Fits), None),
+            (AnswerVerdict::Taken { unseen: vec![ResourceId(0)] }, Some(AnswerFit::NotMeasured), Some("look at ST")),
+            (AnswerVerdict::Open { silent: vec![StationId(1)] }, Some(AnswerFit::NotKnown), Some(silent)),
             (AnswerVerdict::Contradicted(vec![found]), Some(AnswerFit::Contradicts), Some(off)),
             (AnswerVerdict::Refused(AlarmAnswerRefusal::HasPart(ResourceId(1))), Some(AnswerFit::Refused), Some(none)),
-            (AnswerVerdict::Open, None, None),
+            (AnswerVerdict::Open { silent: Vec::new() }, None, None),
         ] {
             for meaning in ["once more, part at ST", "done; part gone", ""] {
                 let text = judged(&line, &state, AlarmId(1), meaning.to_owned(), &verdict);

@@ -139,6 +139,7 @@ impl StepJson {
             RecoveryAction::First(Need::Answer(_)) => ("answer", None, None),
             RecoveryAction::First(_) => ("first", None, None),
             RecoveryAction::Command(command) => ("command", None, Some(command.name())),
+            RecoveryAction::ManualAlone(_) => ("manual_alone", None, Some(ModeCommand::Manual.name())),
             RecoveryAction::AutoAgain(_) => ("auto_again", None, Some(ModeCommand::Auto.name())),
             RecoveryAction::Press(_, button) => ("press", Some(button.name()), None),
             RecoveryAction::Hold { .. } => ("hold", None, None),

@@ -11,7 +11,9 @@ use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, WrapErr, miette};
-use tokio::process::{Child, Command};
+use tokio::io::{AsyncBufReadExt, BufReader};
+use tokio::process::{Child, ChildStdout, Command};
+use tokio::sync::mpsc;
 
 use super::directory::can_write;
 use crate::files::description;
@@ -26,6 +28,9 @@ const SHORT_LIVES_MAX: u32 = 3;
 
 /// As much of a log's end is looked at to show its last lines.
 const TAIL_BYTES: u64 = 16 * 1024;
+
+/// Lines of the plant that are kept until they are shown; what comes when they are so many is in its log alone.
+const PLANT_LINES_MAX: usize = 64;
 
 /// One process of the line.
 struct ChildProcess {
@@ -50,6 +55,8 @@ pub struct Children {
     /// The descriptions, as they were when the line was started.
     described: Vec<(PathBuf, String)>,
     restarts: u32,
+    /// Lines of the plant's standard output: mishaps in the simulated machine.
+    plant_lines: (mpsc::Sender<String>, mpsc::Receiver<String>),
 }
 
 impl Children {
@@ -67,6 +74,7 @@ impl Children {
             buses: buses.map(Path::to_owned),
             described,
             restarts: 0,
+            plant_lines: mpsc::channel(PLANT_LINES_MAX),
         })
     }
 
@@ -83,7 +91,9 @@ impl Children {
     fn add(&mut self, name: &str, args: Vec<String>, is_last: bool) -> miette::Result<()> {
         let log = self.dir.join(format!("{name}.log"));
         let log_from = length(&log);
-        let child = spawn(&args, &log, self.buses.as_deref()).wrap_err_with(|| format!("cannot start {name}"))?;
+        let mut child =
+            spawn(&args, &log, self.buses.as_deref(), is_last).wrap_err_with(|| format!("cannot start {name}"))?;
+        pass_on(child.stdout.take(), &self.plant_lines.0);
         let started = Instant::now();
         let (name, short_lives) = (name.to_owned(), 0);
         self.members.push(ChildProcess { name, args, log, child, started, short_lives, log_from, is_last });
@@ -93,6 +103,11 @@ impl Children {
     /// Number of restarts of children.
     pub fn restarts(&self) -> u32 {
         self.restarts
+    }
+
+    /// What the plant has reported since this was asked last.
+    pub fn plant_reports(&mut self) -> Vec<String> {
+        std::iter::from_fn(|| self.plant_lines.1.try_recv().ok()).collect()
     }
 
     /// Starts again what has ended; gives the names.
@@ -118,7 +133,8 @@ impl Children {
                 ));
             }
             member.log_from = length(&member.log);
-            member.child = spawn(&member.args, &member.log, self.buses.as_deref())?;
+            member.child = spawn(&member.args, &member.log, self.buses.as_deref(), member.is_last)?;
+            pass_on(member.child.stdout.take(), &self.plant_lines.0);
             member.started = Instant::now();
             self.restarts += 1;
             revived.push(format!("{} ({status})", member.name));
@@ -146,7 +162,19 @@ fn is_still(file: &Path, before: &str) -> bool {
     description(file).is_ok_and(|now| now == before)
 }
 
-fn spawn(args: &[String], log: &Path, buses: Option<&Path>) -> miette::Result<Child> {
+/// Takes the lines of a plant's standard output, so that writing to it does not hold the plant up.
+fn pass_on(output: Option<ChildStdout>, to: &mpsc::Sender<String>) {
+    let (Some(output), to) = (output, to.clone()) else { return };
+    tokio::spawn(async move {
+        let mut lines = BufReader::new(output).lines();
+        while let Ok(Some(line)) = lines.next_line().await {
+            let _ = to.try_send(line);
+        }
+    });
+}
+
+/// `reports`: its standard output is read, and not part of its log.
+fn spawn(args: &[String], log: &Path, buses: Option<&Path>, reports: bool) -> miette::Result<Child> {
     let program = std::env::current_exe().into_diagnostic().wrap_err("cannot find this program")?;
     let mut command = Command::new(program);
     match File::options().create(true).append(true).open(log).and_then(|log| Ok((log.try_clone()?, log))) {
@@ -156,6 +184,9 @@ fn spawn(args: &[String], log: &Path, buses: Option<&Path>) -> miette::Result<Ch
             command.stdout(Stdio::null()).stderr(Stdio::null())
         }
     };
+    if reports {
+        command.stdout(Stdio::piped());
+    }
     command
         .args(args)
         .envs(buses.map(|dir| ("LINEWRIGHT_BUS_DIR", dir)))

@@ -289,6 +289,9 @@ impl Session {
                     for name in children.revive()? {
                         self.note(format!("started again: {name}"));
                     }
+                    for line in children.plant_reports() {
+                        self.note(line);
+                    }
                     if let Some(screen) = &mut screen {
                         let cell = self.cell.as_ref().and_then(CellRun::state);
                         screen.show(&self.view.picture(&self.client, cell, Screen::size()))?;

@@ -22,8 +22,8 @@ use crate::support::wait_for;
 const LONG: Duration = Duration::from_secs(90);
 
 /// What can be answered when the robot came to machine 1 without the part.
-const ANSWERS: &str = "Answers: in-store (once more, part at ST; fits the sensors), in-machine (done, part at M1; \
-    contradicts the sensors: M1: part expected, sensor off), scrap (part gone; fits the sensors)";
+const ANSWERS: &str = "Answers: in-store (once more, part at ST; not measured: look at ST), in-machine (done, part at M1; \
+    contradicts the sensors: M1: part expected, sensor off), scrap (part gone; not measured: look at ST)";
 
 /// A shipped cell, so many times as fast.
 fn cell(name: &str, times: f64) -> Rig {
@@ -55,7 +55,7 @@ fn is_made(said: &str, name: &str) -> bool {
 /// Seed 001, §6 (L227-229): the robot comes to the machine without the part, the watchdog fires, the resources are secured, the
 /// alarm is answered after the part was put back, the marking is restored, and the part is loaded again.
 #[test]
-fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back() {
+fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back_and_one_that_fell_is_lost() {
     let mut rig = cell("workcell-c1", 8.0);
     // The watchdog of a loading that takes 3 s.
     rig.change("cell.toml", &[("max_s = 24", "max_s = 8"), ("max_s = 26", "max_s = 9")]);
@@ -85,13 +85,23 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back() {
     assert!(wrong.contains("in-store"), "{wrong}");
     assert_eq!(rig.eye.seen().arrivals("m1", "clamp-close"), 0, "nothing was clamped");
 
-    rig.said(&["fail"], &["robot", "clear", "--operation", "grasp for m1", "--bus", BUS]).expect("the gripper works");
+    // The next time it falls on the way, which the simulated machine reports, and nothing in the line sees.
+    assert!(!rig.run_notes().contains("simulated machine"), "{}", rig.run_notes());
+    let gripper = |what| rig.said(&["fail"], &["robot", what, "--operation", "grasp for m1", "--bus", BUS]);
+    gripper("drop").expect("the gripper can be made to drop");
     rig.said(&["answer"], &["1", "in-store"]).expect("it is believed");
+    until(&rig, &["answer"], |said| said.contains("alarm 2:"));
+    let fell =
+        "simulated machine: a part has fallen down and is gone: gripper `robot.hand` did not hold it fast (arm at ";
+    assert_eq!(rig.run_notes().matches(fell).count(), 1, "{}", rig.run_notes());
+    gripper("clear").expect("the gripper works");
+    rig.said(&["answer"], &["2", "scrap"]).expect("it is believed");
     let (code, report) = rig.ended_within(LONG);
     assert_eq!((code, &report["parts_made"], &report["parts_wanted"]), (0, &1.into(), &1.into()), "{report}");
     assert_eq!(rig.eye.seen().arrivals("m1", "clamp-close"), 1, "it was clamped once");
     let report = rig.report();
-    assert!(report.contains("1 parts have left, 0 are inside, 0 were lost; 1 activities have failed"), "{report}");
+    assert!(report.contains("1 parts have left, 0 are inside, 1 were lost; 2 activities have failed"), "{report}");
+    assert!(report.contains("quality 50.0 %"), "{report}");
     assert!(report.contains('▒') && report.contains('█') && report.contains('░'), "planned, done, failed: {report}");
 }
 
@@ -221,6 +231,7 @@ fn put_right_beside_auto(rig: &Rig, operator: &Operator) {
         let modes = ["robot_1", "human"].map(|name| operator.station(name).mode);
         assert_eq!((line, modes), (StationState::MODE_AUTO, [StationState::MODE_AUTO; 2]), "{}", operator.picture());
     };
+    is_listed_beside_auto(rig);
     rig.said(&["mode"], &["manual", "--station", "robot_2"]).expect("it is left out");
     operator.wait("its panel acts", |heard| heard.station("robot_2").mode == StationState::MODE_MANUAL);
     operator.complete();
@@ -233,6 +244,19 @@ fn put_right_beside_auto(rig: &Rig, operator: &Operator) {
     operator.wait("it follows the line again", |heard| heard.station("robot_2").mode == StationState::MODE_AUTO);
     others_are_in_auto();
     is_answered(rig, &said);
+}
+
+/// `recover` lists that way: the only station that stands half-way.
+fn is_listed_beside_auto(rig: &Rig) {
+    let output = rig.command(&["recover"], &["--json"]).output().expect("the command starts");
+    let plan: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let steps = plan["steps"].as_array().expect("a list");
+    let kinds: Vec<&str> = steps.iter().filter_map(|step| step["kind"].as_str()).collect();
+    let ["manual_alone", presses @ .., "auto_again", "answer"] = &kinds[..] else { panic!("{plan:#}") };
+    assert!(!presses.is_empty() && presses.iter().all(|kind| *kind == "press"), "{plan:#}");
+    let words: Vec<&str> =
+        steps[0]["arguments"].as_array().expect("words").iter().filter_map(|word| word.as_str()).collect();
+    let ["mode", _, "manual", "--station", "robot_2"] = words[..] else { panic!("{plan:#}") };
 }
 
 /// Robot 2 has been stopped while it assembled. It is led to the end of its task by hand, and the alarm is answered with that.

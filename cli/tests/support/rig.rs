@@ -263,6 +263,11 @@ impl Rig {
         FullPipe { _open: open() }
     }
 
+    /// What the run has printed to standard error.
+    pub fn run_notes(&self) -> String {
+        fs::read_to_string(self.directory.path().join("run.err")).unwrap_or_default()
+    }
+
     /// The log of one process.
     pub fn log(&self, name: &str) -> String {
         fs::read_to_string(self.state().join(format!("{name}.log"))).unwrap_or_default()

@@ -5,9 +5,9 @@
 
 use linewright_line::{StationId, Tick};
 
-use crate::exception::{AlarmAnswerRefusal, AlarmSubject, ExceptionStep, SensorMismatch};
+use crate::exception::{AlarmAnswerRefusal, AlarmSubject, ExceptionStep, Presence, SensorMismatch, Whereabouts};
 use crate::fifo::Fifo;
-use crate::ids::AlarmId;
+use crate::ids::{AlarmId, ModeId, ResourceId};
 use crate::orders::{CellEvent, PlayerInput, PlayerOutbox, TaskReport};
 use crate::player::Coordination;
 use crate::record::RecordKind;
@@ -19,10 +19,10 @@ pub enum AnswerVerdict {
     Refused(AlarmAnswerRefusal),
     /// Sensors contradict it: it is asked for again.
     Contradicted(Vec<SensorMismatch>),
-    /// It is taken; whether a sensor confirms it.
-    Taken { is_confirmed: bool },
-    /// It depends on what is not known now.
-    Open,
+    /// It is taken. Sensors confirm it but for these resources, where none sees what it claims: a person has to look.
+    Taken { unseen: Vec<ResourceId> },
+    /// It depends on what is not known now: these stations are not received.
+    Open { silent: Vec<StationId> },
 }
 
 impl Coordination {
@@ -58,23 +58,56 @@ impl Coordination {
             ExceptionStep::Mismatch { about: of, found } if *of == about => {
                 Some(AnswerVerdict::Contradicted(found.clone()))
             }
-            ExceptionStep::Closed { firing, mode, unchecked, .. } if AlarmSubject::Firing(*firing) == about => {
-                let handling = self.state().table().handling();
-                let sensed = |id: &_| handling.resource(*id).is_some_and(|of| of.is_sensed);
-                let is_any = handling.mode(*mode).resources().any(|id| sensed(&id));
-                let is_confirmed = is_any && unchecked.is_empty();
-                Some(AnswerVerdict::Taken { is_confirmed })
+            ExceptionStep::Closed { firing, mode, ruling, unchecked, .. } if AlarmSubject::Firing(*firing) == about => {
+                Some(AnswerVerdict::Taken { unseen: self.unseen(*mode, ruling.part, unchecked) })
             }
             ExceptionStep::Carried { firing } if AlarmSubject::Firing(*firing) == about => {
-                Some(AnswerVerdict::Taken { is_confirmed: false })
+                let mode = self.state().firing(*firing).map(|firing| firing.mode);
+                let unseen = |mode| self.unseen(mode, Whereabouts::Carrier, &[]);
+                Some(AnswerVerdict::Taken { unseen: mode.map(unseen).unwrap_or_default() })
             }
             ExceptionStep::Up { resource, unchecked } if AlarmSubject::Resource(*resource) == about => {
-                Some(AnswerVerdict::Taken { is_confirmed: !unchecked })
+                let is_seen = self.presence(*resource) != Presence::NoSensor && !unchecked;
+                Some(AnswerVerdict::Taken { unseen: (!is_seen).then_some(*resource).into_iter().collect() })
             }
             _ => None,
         };
         let found = steps.into_iter().find_map(verdict);
-        found.unwrap_or(AnswerVerdict::Open)
+        found.unwrap_or_else(|| AnswerVerdict::Open { silent: self.silent(about, reports) })
+    }
+
+    /// The resources at which a sensor would have to see what an answer claims, and none does. Where the part is at a resource, its
+    /// sensor alone confirms that; where it is outside or gone, all of the activity have to see none.
+    fn unseen(&self, mode: ModeId, part: Whereabouts, unchecked: &[ResourceId]) -> Vec<ResourceId> {
+        let handled = self.state().table().handling().mode(mode);
+        let holder = match part {
+            Whereabouts::From => handled.from,
+            Whereabouts::To => handled.to,
+            Whereabouts::Carrier => handled.carrier,
+            Whereabouts::Gone => None,
+        };
+        let is_unseen = |id: &ResourceId| unchecked.contains(id) || !self.presence(*id).is_known();
+        match holder {
+            Some(id) => Some(id).filter(is_unseen).into_iter().collect(),
+            None => handled.resources().filter(is_unseen).collect(),
+        }
+    }
+
+    /// The stations of an alarm that are not received.
+    fn silent(&self, about: AlarmSubject, reports: &[(StationId, &TaskReport)]) -> Vec<StationId> {
+        let handling = self.state().table().handling();
+        let station = |id: ResourceId| handling.resource(id).and_then(|of| of.station);
+        let mut stations: Vec<StationId> = match about {
+            AlarmSubject::Resource(resource) => station(resource).into_iter().collect(),
+            AlarmSubject::Firing(firing) => self.state().firing(firing).map_or_else(Vec::new, |firing| {
+                let ordered = firing.orders.iter().map(|order| order.station);
+                ordered.chain(handling.mode(firing.mode).resources().filter_map(station)).collect()
+            }),
+        };
+        stations.sort_unstable();
+        stations.dedup();
+        stations.retain(|station| reports.iter().all(|(of, _)| of != station));
+        stations
     }
 }
 

@@ -59,6 +59,8 @@ pub struct RackOptions {
     pub clock: Clock,
     /// The run of a line that the devices are part of; `None` for a plant that is started by itself, which is part of the line.
     pub run: Option<String>,
+    /// Called with each mishap of a part, as text, beside the log.
+    pub mishap: Option<fn(&str)>,
 }
 
 /// One bus's devices, connected and ready to run.
@@ -73,11 +75,14 @@ struct RackRunner {
     clock: Clock,
     /// Where its positions are kept, if they are.
     kept: Option<KeptRack>,
+    line: Line,
+    /// Number of mishaps of parts that were reported.
+    reported: usize,
+    mishap: Option<fn(&str)>,
 }
 
 /// Keeps the positions of one rack.
 struct KeptRack {
-    line: Line,
     bus: String,
     watch: PositionsWatch,
     keeper: Keeper,
@@ -116,7 +121,18 @@ fn open_racks(
         let rack = racks.remove(&name.to_string());
         let mut rack = rack.unwrap_or_else(|| Rack::new(options.clock.now(), line, name, options.plant));
         rack.be_part_of(&options.run.clone().unwrap_or_else(|| alone(&line.name)));
-        Ok(RackRunner { name: name.to_string(), bus, servers, addresses, rack, clock: options.clock, kept: None })
+        Ok(RackRunner {
+            name: name.to_string(),
+            bus,
+            servers,
+            addresses,
+            rack,
+            clock: options.clock,
+            kept: None,
+            line: line.clone(),
+            reported: 0,
+            mishap: options.mishap,
+        })
     };
     names.into_iter().map(open).collect()
 }
@@ -137,8 +153,8 @@ pub async fn run_plant(
     let mut runners = open_racks(line, options, kept_racks(dir, line, options, now))?;
     let (keeper, writer) = Keeper::begin(dir, line);
     for runner in &mut runners {
-        let (line, bus, watch) = (line.clone(), runner.name.clone(), PositionsWatch::new(now, KEEP_EVERY));
-        runner.kept = Some(KeptRack { line, bus, watch, keeper: keeper.clone() });
+        let (bus, watch) = (runner.name.clone(), PositionsWatch::new(now, KEEP_EVERY));
+        runner.kept = Some(KeptRack { bus, watch, keeper: keeper.clone() });
     }
     let ended = run_racks(runners, stop).await;
     drop(keeper);
@@ -196,14 +212,14 @@ impl Drop for RackRunner {
     fn drop(&mut self) {
         let now = self.clock.now();
         if let Some(kept) = &mut self.kept {
-            kept.keep(now, &mut self.rack);
+            kept.keep(now, &self.line, &mut self.rack);
         }
     }
 }
 
 impl KeptRack {
-    fn keep(&mut self, now: Tick, rack: &mut Rack) {
-        if let Some(positions) = self.watch.look(now, rack.positions(now, &self.line)) {
+    fn keep(&mut self, now: Tick, line: &Line, rack: &mut Rack) {
+        if let Some(positions) = self.watch.look(now, rack.positions(now, line)) {
             self.keeper.keep(&self.bus, positions);
         }
     }
@@ -260,9 +276,22 @@ impl RackRunner {
         if let Some(kept) = &mut self.kept
             && kept.watch.stir(now)
         {
-            kept.keep(now, &mut self.rack);
+            kept.keep(now, &self.line, &mut self.rack);
         }
+        self.report_mishaps();
         Ok(())
+    }
+
+    /// Parts that have fallen down, or were lost to a clamp.
+    fn report_mishaps(&mut self) {
+        let plant = self.rack.plant();
+        let (mishaps, _) = plant.mishaps();
+        for (_, mishap) in mishaps.iter().skip(self.reported).filter(|(_, mishap)| mishap.is_certain(&self.line)) {
+            let news = PlantNews::Mishap { what: mishap.text(&self.line, plant) }.to_string();
+            tracing::warn!("{news}");
+            self.mishap.into_iter().for_each(|report| report(&news));
+        }
+        self.reported = mishaps.len();
     }
 
     fn next_deadline(&self) -> Option<Tick> {

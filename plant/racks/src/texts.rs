@@ -134,6 +134,8 @@ pub enum PlantNews<'a> {
     NotKept { path: &'a Path, why: String },
     /// A Modbus server has ended.
     ServerEnded { address: &'a str, why: String },
+    /// A part has met with a mishap.
+    Mishap { what: String },
 }
 
 impl fmt::Display for PlantNews<'_> {
@@ -147,6 +149,7 @@ impl fmt::Display for PlantNews<'_> {
                 path.display()
             ),
             PlantNews::ServerEnded { address, why } => write!(f, "the Modbus server at {address} has ended: {why}"),
+            PlantNews::Mishap { what } => write!(f, "simulated machine: {what}"),
         }
     }
 }

@@ -29,7 +29,8 @@ impl RackBench {
         let bus = bus::BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
         let clock = Clock::start();
         let plant = PlantOptions::default();
-        let options = RackOptions { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant, clock, run: None };
+        let options =
+            RackOptions { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant, clock, run: None, mishap: None };
         let plant = tokio::spawn(async move { run_plant(&line(), &options, None, pending()).await.unwrap() });
         RackBench { _dir: dir, bus, line: line(), clock, plant }
     }

@@ -26,6 +26,7 @@ async fn press(buses: &Path, kept: &Path, outputs: u128, inputs: u128) {
         plant: PlantOptions::default(),
         clock,
         run: None,
+        mishap: None,
     };
     let (stop, stopped) = oneshot::channel::<()>();
     let dir = kept.to_owned();

@@ -71,7 +71,14 @@ impl RackServerBench {
         let dir = tempfile::tempdir().unwrap();
         let bus = bus::BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
         let clock = Clock::start();
-        let options = RackOptions { line_bus: "no-can".to_owned(), bus, plant: PlantOptions::default(), clock, run };
+        let options = RackOptions {
+            line_bus: "no-can".to_owned(),
+            bus,
+            plant: PlantOptions::default(),
+            clock,
+            run,
+            mishap: None,
+        };
         let line = line_on(port, registers);
         let devices = line.devices.clone();
         let plant = tokio::spawn(async move { run_plant(&line, &options, None, pending()).await.unwrap() });

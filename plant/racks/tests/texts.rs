@@ -54,6 +54,7 @@ fn news() -> Vec<PlantNews<'static>> {
         PlantNews::NotKept { .. } => PlantNews::NotKept { path, why: "disk full".to_owned() };
         PlantNews::ServerEnded { .. } =>
             PlantNews::ServerEnded { address: ADDRESS, why: "connection reset".to_owned() };
+        PlantNews::Mishap { .. } => PlantNews::Mishap { what: "gripper `robot.hand` has left without its part".to_owned() };
     })
 }
 

@@ -417,7 +417,7 @@ impl Coordination {
     }
 
     /// Last value of the sensor of a resource, if it has one.
-    pub(super) fn presence(&self, id: ResourceId) -> Presence {
+    pub(in super::super) fn presence(&self, id: ResourceId) -> Presence {
         let sensed = self.state.table().handling().resource(id).filter(|of| of.is_sensed);
         let Some(station) = sensed.and_then(|of| of.station) else { return Presence::NoSensor };
         self.watch.seen(station).map_or(Presence::Unread, |seen| seen.heard.presence)

@@ -19,24 +19,37 @@ pub fn answer_refused(line: &Line, state: &PlayerState, asked: ResourceRequest, 
     why.text(asked, station, resource, answers)
 }
 
-/// The meaning of an answer, with whether it fits what sensors say now; nothing is added where they say nothing of it.
+/// The meaning of an answer, with whether it fits what sensors say now, or that none sees it, or which station is not received; nothing is
+/// added where that is said of every answer by the alarm.
 pub fn judged(line: &Line, state: &PlayerState, alarm: AlarmId, meaning: String, verdict: &AnswerVerdict) -> String {
+    let handling = state.table().handling();
     let why = match verdict {
-        AnswerVerdict::Taken { is_confirmed: true } => "fits the sensors".to_owned(),
+        AnswerVerdict::Taken { unseen } if unseen.is_empty() => "fits the sensors".to_owned(),
+        AnswerVerdict::Taken { unseen } => {
+            let names: Vec<&str> = unseen.iter().map(|&id| handling.resource_name(id)).collect();
+            format!("not measured: look at {}", names.join(" and "))
+        }
         AnswerVerdict::Contradicted(found) => {
-            let found: Vec<String> = found.iter().map(|of| difference(state.table().handling(), of)).collect();
+            let found: Vec<String> = found.iter().map(|of| difference(handling, of)).collect();
             format!("contradicts the sensors: {}", found.join(", "))
         }
         AnswerVerdict::Refused(
             why @ (AlarmAnswerRefusal::HasPart(_)
             | AlarmAnswerRefusal::HasNoPart(_)
             | AlarmAnswerRefusal::Contradicted(_)
-            | AlarmAnswerRefusal::WrongRest(_)),
+            | AlarmAnswerRefusal::WrongRest(_)
+            | AlarmAnswerRefusal::NotHeard(_)
+            | AlarmAnswerRefusal::Unheard(..)),
         ) => format!("refused now: {}", answer_refused(line, state, ResourceRequest::Answer(alarm), *why)),
-        // What is so of every answer is in the text of the alarm.
-        AnswerVerdict::Refused(_) | AnswerVerdict::Taken { is_confirmed: false } | AnswerVerdict::Open => {
-            return meaning;
+        AnswerVerdict::Open { silent } if !silent.is_empty() => {
+            let names: Vec<&str> = silent.iter().map(|&id| line.station(id).name.as_str()).collect();
+            format!(
+                "not known: no state received from {}; start it again, or look at its host and network",
+                names.join(" and ")
+            )
         }
+        // What is so of every answer is in the text of the alarm.
+        AnswerVerdict::Refused(_) | AnswerVerdict::Open { .. } => return meaning,
     };
     if meaning.is_empty() { why } else { format!("{meaning}; {why}") }
 }

@@ -6,13 +6,13 @@
 //!  of a part:       worked on, moved, or waiting: from its entering to its leaving it is one of the three
 //! ```
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::exception::{ExceptionStep, Whereabouts};
-use super::super::ids::{FiringId, ModeId, PartId};
+use super::super::exception::{AlarmSubject, ExceptionStep, SensorMismatch, Whereabouts};
+use super::super::ids::{FiringId, ModeId, PartId, ResourceId};
 use super::super::production::{Production, ProductionChange};
 use super::super::record::{ActivityFailure, Record, RecordKind};
 use super::orders::OrdersReport;
@@ -34,6 +34,8 @@ pub struct Tracking {
     left: Vec<PartHistory>,
     failures: u64,
     lost: u64,
+    /// Resources that have a part by the model and none by their sensor, until somebody has put that right.
+    missing: BTreeSet<ResourceId>,
     production: Production,
 }
 
@@ -114,6 +116,7 @@ impl Tracking {
             left: Vec::new(),
             failures: 0,
             lost: 0,
+            missing: BTreeSet::new(),
             production,
         }
     }
@@ -185,14 +188,15 @@ impl Tracking {
             nominal: tally.nominal,
             actual: tally.actual,
         };
+        let missing = until.missing.len().min(until.parts.len());
         let times = until.left.iter().filter_map(PartHistory::lead_and_wait);
         let (lead, waited) = times.unzip();
         CellSummary {
             observed,
             resources: until.sheet.resources.iter().cloned().zip(&until.resources).map(resource).collect(),
-            inside: until.parts.len(),
+            inside: until.parts.len() - missing,
             left: until.left.len(),
-            lost: until.lost,
+            lost: until.lost + missing as u64,
             failures: until.failures,
             orders: OrdersReport::of(self.production.orders(), self.from),
             lead: Spread::of(lead),
@@ -289,14 +293,24 @@ impl Tracking {
                 Whereabouts::From | Whereabouts::Carrier | Whereabouts::Gone => {
                     self.stops(*firing, at);
                     self.is_undone(*mode, ruling.part == Whereabouts::Gone);
+                    let is_gone = ruling.part == Whereabouts::Gone;
                     let enters = self.sheet.entry(*mode).is_some_and(|entry| entry.passing == PartFlow::Enters);
-                    let is_outside = enters || ruling.part == Whereabouts::Gone;
-                    if part.filter(|_| is_outside).is_some_and(|part| self.parts.remove(&part).is_some()) && !enters {
+                    // One that has not come in is outside as before, and not lost.
+                    let is_outside = part.filter(|_| enters || is_gone);
+                    if is_outside.is_some_and(|part| self.parts.remove(&part).is_some()) && is_gone {
                         self.lost += u64::from(at >= self.from);
                     }
                 }
             },
-            ExceptionStep::Missing { resource: _, mode, part } => {
+            ExceptionStep::Mismatch { about: AlarmSubject::Resource(resource), found } => {
+                let is_missing = |of: &SensorMismatch| of.resource == *resource && of.model && !of.plant;
+                match found.iter().any(is_missing) {
+                    true => self.missing.insert(*resource),
+                    false => self.missing.remove(resource),
+                };
+            }
+            ExceptionStep::Missing { resource, mode, part } => {
+                self.missing.remove(resource);
                 self.lets_go(*mode);
                 if self.parts.remove(part).is_some() {
                     self.lost += u64::from(at >= self.from);
@@ -312,6 +326,7 @@ impl Tracking {
                 }
             }
             ExceptionStep::Up { resource, unchecked: _ } => {
+                self.missing.remove(resource);
                 self.resources.get_mut(resource.index()).into_iter().for_each(|tally| tally.out = None);
             }
             step => debug_assert!(!step.changes_the_cell(), "{step:?}"),

@@ -77,7 +77,7 @@ pub struct CellSummary {
     pub inside: usize,
     /// Parts that have left.
     pub left: usize,
-    /// Parts that were lost on the way, or came to be of no use.
+    /// Parts that were lost on the way, or came to be of no use; with those that are missing now by a sensor.
     pub lost: u64,
     /// Activities that have failed.
     pub failures: u64,

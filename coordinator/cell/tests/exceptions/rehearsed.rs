@@ -1,8 +1,10 @@
 //! The verdict on an answer before it is given, beside what becomes of it when it is.
 
-use linewright_coordinator_cell::exception::ExceptionStep;
+use std::time::Duration;
+
+use linewright_coordinator_cell::exception::{ExceptionStep, Whereabouts};
 use linewright_coordinator_cell::{AnswerVerdict, PartId, TaskReport};
-use linewright_line::StationId;
+use linewright_line::{StationId, Tick};
 
 use super::bench::{CellBench, workcell_line};
 
@@ -18,7 +20,7 @@ impl CellBench {
 
     /// What becomes of it.
     fn outcome(&mut self, word: &str) -> AnswerVerdict {
-        let (before, refused) = (self.steps().len(), self.objections().len());
+        let (before, refused, store) = (self.steps().len(), self.objections().len(), self.resource("ST"));
         self.answer(word);
         if let Some((_, why)) = self.objections().get(refused) {
             return AnswerVerdict::Refused(*why);
@@ -27,10 +29,12 @@ impl CellBench {
         let steps = self.steps().split_off(before);
         let found = steps.into_iter().find_map(|step| match step {
             ExceptionStep::Mismatch { found, .. } => Some(AnswerVerdict::Contradicted(found.clone())),
-            ExceptionStep::Closed { unchecked, .. } => {
-                Some(AnswerVerdict::Taken { is_confirmed: unchecked.is_empty() })
+            // Machines and the robot have a sensor, the store has none: only that the part is in the machine is seen.
+            ExceptionStep::Closed { ruling, unchecked, .. } => {
+                assert_eq!(*unchecked, []);
+                let unseen = if ruling.part == Whereabouts::To { None } else { Some(store) };
+                Some(AnswerVerdict::Taken { unseen: unseen.into_iter().collect() })
             }
-            ExceptionStep::Carried { .. } => Some(AnswerVerdict::Taken { is_confirmed: false }),
             _ => None,
         });
         found.expect("it comes to an end")
@@ -60,8 +64,9 @@ fn the_verdict_is_what_becomes_of_the_answer() {
     let count = |is: fn(&AnswerVerdict) -> bool| seen.iter().filter(|verdict| is(verdict)).count();
     let refused = count(|of| matches!(of, AnswerVerdict::Refused(_)));
     let contradicted = count(|of| matches!(of, AnswerVerdict::Contradicted(_)));
-    let fits = count(|of| matches!(of, AnswerVerdict::Taken { is_confirmed: true }));
-    assert!(refused > 3 && contradicted > 3 && fits > 3, "{seen:?}");
+    let fits = count(|of| matches!(of, AnswerVerdict::Taken { unseen } if unseen.is_empty()));
+    let unseen = count(|of| matches!(of, AnswerVerdict::Taken { unseen } if !unseen.is_empty()));
+    assert!(refused > 3 && contradicted > 3 && fits > 0 && unseen > 3, "{seen:?}");
 }
 
 #[test]
@@ -81,13 +86,47 @@ fn each_answer_says_whether_it_fits_the_sensors() {
     assert_eq!(
         texts(&bench),
         [
-            "once more, part at ST; fits the sensors",
+            "once more, part at ST; not measured: look at ST",
             "done, part at M1; contradicts the sensors: M1: part expected, sensor off",
-            "part gone; fits the sensors",
+            "part gone; not measured: look at ST",
         ]
     );
+    let machine = bench.resource("M1");
+    bench.sim.truth.put(PART, Some(machine));
+    bench.hear();
+    assert_eq!(texts(&bench)[1], "done, part at M1; fits the sensors");
     let robot = bench.resource("R");
     bench.sim.truth.put(PART, Some(robot));
     bench.hear();
     assert_eq!(texts(&bench)[1], "done, part at M1; refused now: R: sensor on, but the answer states no part there");
+}
+
+/// While a station is away each answer says so, and what to do: for a moment nothing can be compared, later nothing is taken.
+#[test]
+fn answers_name_a_station_that_is_not_received() {
+    let mut bench = CellBench::c1_of_its_line(&[1, 0]);
+    bench.load_fails();
+    bench.hear();
+    let m1 = bench.station("m1");
+    let text = |bench: &CellBench, now: Tick, silent: StationId| {
+        let all: Vec<TaskReport> = bench.sim.stations.iter().map(|station| station.heard()).collect();
+        let known = all.iter().enumerate().map(|(at, report)| (StationId::at(at), report));
+        let known: Vec<(StationId, &TaskReport)> = known.filter(|(id, _)| *id != silent).collect();
+        let verdict = bench.sim.coordination.rehearsed(now, bench.alarm().id, "in-store", &known);
+        let meaning = "part at ST".to_owned();
+        linewright_coordinator_cell::texts::judged(
+            &workcell_line(|line| line),
+            bench.state(),
+            bench.alarm().id,
+            meaning,
+            &verdict,
+        )
+    };
+    let now = bench.sim.now;
+    assert_eq!(
+        text(&bench, now, m1),
+        "part at ST; not known: no state received from m1; start it again, or look at its host and network"
+    );
+    let later = text(&bench, now + Duration::from_secs(600), m1);
+    assert!(later.starts_with("part at ST; refused now: ") && later.contains("no state received"), "{later}");
 }

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use linewright_coordinator_cell::compile::{dispatcher, sheet};
-use linewright_coordinator_cell::exception::{ExceptionStep, OutOfServiceReason};
+use linewright_coordinator_cell::exception::{
+    AlarmSubject, ExceptionStep, OutOfServiceReason, RecoveryDecision, SensorMismatch, Strategy, Whereabouts,
+};
 use linewright_coordinator_cell::production::{DispatchConfiguration, Production};
-use linewright_coordinator_cell::tracking::{CellSummary, ResourceEntry, Spread, Tracking};
-use linewright_coordinator_cell::{FiringId, ModeId, PartId, Record, RecordKind};
+use linewright_coordinator_cell::tracking::{CellSummary, PartFlow, ResourceEntry, Spread, Tracking};
+use linewright_coordinator_cell::{ActivityFailure, FiringId, ModeId, PartId, Record, RecordKind};
 use linewright_line::Tick;
 
 use super::shop::{ASSEMBLY, C1, Made, Shop, changed, request};
@@ -180,6 +182,61 @@ fn a_resource_is_left_out_as_often_as_somebody_leaves_it_out() {
     let down = thirds[1].since(thirds[0]) + now.since(thirds[2]);
     assert!(down > Duration::ZERO);
     assert_eq!((m1.down, m1.causes.iter().collect::<Vec<_>>()), (down, vec![("taken out by hand", 2, down)]));
+}
+
+/// Also where it falls on its way in: it has begun to count when it entered. One that is still outside has not.
+#[test]
+fn a_part_that_an_answer_gives_up_is_lost_wherever_it_was() {
+    let made = Made::new(ASSEMBLY);
+    let played = played(&made, &[("1", 1, None)], |_| ()).log;
+    let sheet = sheet(&made.cell, &made.made);
+    let enters = |record: &Record| match record.fact {
+        RecordKind::Started { firing, mode, part, .. } if sheet.modes[mode.index()].passing == PartFlow::Enters => {
+            Some((firing, mode, part))
+        }
+        _ => None,
+    };
+    let place = played.iter().position(|record| enters(record).is_some()).expect("a part is brought in");
+    let (firing, mode, part) = enters(&played[place]).expect("that one");
+    let at = played[place].at;
+    for (whereabouts, lost) in [(Whereabouts::Gone, 1), (Whereabouts::From, 0)] {
+        let ruling = RecoveryDecision { word: "scrap".to_owned(), part: whereabouts, then: Strategy::Backward };
+        let mut log = played[..=place].to_vec();
+        log.push(Record { at, fact: RecordKind::Raised { firing, cause: ActivityFailure::TimedOut } });
+        let closed = ExceptionStep::Closed { firing, mode, part, ruling, unchecked: Vec::new() };
+        log.push(Record { at, fact: RecordKind::Exception(closed) });
+        let report = report(&made, &log, at);
+        assert_eq!((report.lost, report.inside, report.left), (lost, 0, 0), "{whereabouts:?}");
+        assert_eq!(report.quality(), (lost > 0).then_some(0.0));
+    }
+}
+
+/// As long as the sensor of a resource sees no part where the cell has one.
+#[test]
+fn a_part_that_is_missing_by_a_sensor_counts_as_lost_until_it_is_put_back() {
+    let made = Made::new(C1);
+    let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 2, None)).collect();
+    let mut log = played(&made, &products, |_| ()).log;
+    log.truncate(log.len() / 2);
+    let at = log[log.len() - 1].at;
+    let before = report(&made, &log, at);
+    assert!(before.inside > 0 && before.lost == 0);
+    let resource = made.table.handling().resource_named("M1").unwrap();
+    let mut then = |step: ExceptionStep| {
+        log.push(Record { at, fact: RecordKind::Exception(step) });
+        let now = report(&made, &log, at);
+        (now.lost, now.inside)
+    };
+    let is_seen = |model| ExceptionStep::Mismatch {
+        about: AlarmSubject::Resource(resource),
+        found: vec![SensorMismatch { resource, model, plant: !model }],
+    };
+    let down = OutOfServiceReason::Mismatch;
+    assert_eq!(then(is_seen(true)), (1, before.inside - 1));
+    assert_eq!(then(ExceptionStep::Down { resource, why: down, activity: String::new() }), (1, before.inside - 1));
+    assert_eq!(then(is_seen(true)), (1, before.inside - 1), "once, however often it is compared");
+    assert_eq!(then(ExceptionStep::Up { resource, unchecked: false }), (0, before.inside));
+    assert_eq!(then(is_seen(false)), (0, before.inside), "one too many is none lost");
 }
 
 /// A part that is inside counts to nothing yet.

@@ -32,6 +32,7 @@ pub fn run(place: &Place) {
                 plant: PlantOptions::default(),
                 clock: Clock::start(),
                 run: None,
+                mishap: None,
             };
             let line = line();
             let stopped = async {
