@@ -145,10 +145,11 @@ fn cells(arguments: &FaultArguments) -> bool {
 
 fn floors(arguments: &FaultArguments) -> bool {
     let start = Instant::now();
-    let (mut count, mut failed, mut lives, mut time) = (0_u64, 0_u64, 0, 0.0);
+    let (mut count, mut failed, mut left, mut lives, mut time) = (0_u64, 0_u64, 0_u64, 0, 0.0);
     for seed in numbers(arguments) {
         let played = play_floor(seed, None);
         count += 1;
+        left += u64::from(played.is_left_standing);
         lives += played.lives;
         time += played.end.as_secs_f64();
         let again = (seed % 100 == 0).then(|| play_floor(seed, None));
@@ -168,7 +169,7 @@ fn floors(arguments: &FaultArguments) -> bool {
     }
     let took = start.elapsed().as_secs_f64();
     println!(
-        "{count} seeds of cells with real stations, {failed} with findings; {lives} lives of coordinators in {time:.0} s of the cells' time; {took:.1} s, {:.1} seeds per second",
+        "{count} seeds of cells with real stations, {failed} with findings, {left} left standing; {lives} lives of coordinators in {time:.0} s of the cells' time; {took:.1} s, {:.1} seeds per second",
         count as f64 / took
     );
     failed == 0

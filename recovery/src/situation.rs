@@ -147,16 +147,16 @@ impl LineSituation {
         line.station_ids().filter(is_off).collect()
     }
 
-    /// The stations that alarms ask to be led to a rest by hand and that are not there; and those that are left out, since a motion was
-    /// stopped or their position is lost, of which no alarm asks: without an activity none is raised, and nothing begins at them.
+    /// The stations that alarms ask to be led to a rest by hand and that are not there; and those that are left out and stand away
+    /// from a rest, of which no alarm asks: without an activity none is raised, and nothing begins at them.
     pub(crate) fn to_be_led(&self, line: &Line) -> Vec<StationId> {
         let asks = |id: &StationId| self.alarms.iter().any(|alarm| alarm.lead.contains(id));
         let goes_on = |id: &StationId| self.alarms.iter().any(|alarm| alarm.at_order.contains(id));
         let is_to_be = |id: &StationId| {
             let Some(report) = self.stations.get(id.index()).and_then(Option::as_ref) else { return false };
-            let has_stopped = !report.incomplete.is_empty() || report.position_lost.is_some();
+            let is_away = !report.at_home || !report.incomplete.is_empty() || report.position_lost.is_some();
             let is_by_itself = self.left_out.contains(id) && self.unsettled.is_empty() && !goes_on(id);
-            (asks(id) && (!report.at_home || has_stopped)) || (is_by_itself && has_stopped && report.stopped)
+            is_away && (asks(id) || (is_by_itself && report.stopped))
         };
         line.station_ids().filter(is_to_be).collect()
     }
