@@ -19,26 +19,79 @@ pub fn answer_refused(line: &Line, state: &PlayerState, asked: ResourceRequest, 
     why.text(asked, station, resource, answers)
 }
 
-/// The meaning of an answer, with whether it fits what sensors say now; nothing is added where they say nothing of it.
-pub fn judged(line: &Line, state: &PlayerState, alarm: AlarmId, meaning: String, verdict: &AnswerVerdict) -> String {
-    let why = match verdict {
-        AnswerVerdict::Taken { is_confirmed: true } => "fits the sensors".to_owned(),
-        AnswerVerdict::Contradicted(found) => {
-            let found: Vec<String> = found.iter().map(|of| difference(state.table().handling(), of)).collect();
-            format!("contradicts the sensors: {}", found.join(", "))
+/// Whether sensors confirm an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnswerFit {
+    Fits,
+    Contradicts,
+    /// It would be refused if it were given now.
+    Refused,
+}
+
+/// What the newest reports of sensors say of an answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AnswerRemark {
+    pub fit: AnswerFit,
+    /// Sensors that contradict it, or why it is refused; empty where it fits.
+    pub why: String,
+}
+
+/// A permitted answer to an alarm, as operators read it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PermittedAnswer {
+    pub word: String,
+    /// What becomes of the activity, and where its part is then; empty where nothing is said of it.
+    pub meaning: String,
+    /// None where sensors say nothing of it.
+    pub remark: Option<AnswerRemark>,
+}
+
+/// An answer of which nothing more is known.
+impl From<&str> for PermittedAnswer {
+    fn from(word: &str) -> Self {
+        PermittedAnswer { word: word.to_owned(), meaning: String::new(), remark: None }
+    }
+}
+
+impl PermittedAnswer {
+    /// The answer, with its meaning and the remark in parentheses.
+    pub fn text(&self) -> String {
+        let remark = self.remark.as_ref().map(AnswerRemark::text).unwrap_or_default();
+        let known: Vec<&str> = [self.meaning.as_str(), &remark].into_iter().filter(|of| !of.is_empty()).collect();
+        if known.is_empty() { self.word.clone() } else { format!("{} ({})", self.word, known.join("; ")) }
+    }
+}
+
+impl AnswerRemark {
+    fn text(&self) -> String {
+        match self.fit {
+            AnswerFit::Fits => "fits the sensors".to_owned(),
+            AnswerFit::Contradicts => format!("contradicts the sensors: {}", self.why),
+            AnswerFit::Refused => format!("refused now: {}", self.why),
         }
-        AnswerVerdict::Refused(
-            why @ (AlarmAnswerRefusal::HasPart(_)
-            | AlarmAnswerRefusal::HasNoPart(_)
-            | AlarmAnswerRefusal::Contradicted(_)
-            | AlarmAnswerRefusal::WrongRest(_)),
-        ) => format!("refused now: {}", answer_refused(line, state, ResourceRequest::Answer(alarm), *why)),
-        // What is so of every answer is in the text of the alarm.
-        AnswerVerdict::Refused(_) | AnswerVerdict::Taken { is_confirmed: false } | AnswerVerdict::Open => {
-            return meaning;
-        }
-    };
-    if meaning.is_empty() { why } else { format!("{meaning}; {why}") }
+    }
+
+    /// The remark that follows from the verdict on an answer; none where sensors say nothing of it.
+    pub fn of(line: &Line, state: &PlayerState, alarm: AlarmId, verdict: &AnswerVerdict) -> Option<Self> {
+        let (fit, why) = match verdict {
+            AnswerVerdict::Taken { is_confirmed: true } => (AnswerFit::Fits, String::new()),
+            AnswerVerdict::Contradicted(found) => {
+                let found: Vec<String> = found.iter().map(|of| difference(state.table().handling(), of)).collect();
+                (AnswerFit::Contradicts, found.join(", "))
+            }
+            AnswerVerdict::Refused(
+                why @ (AlarmAnswerRefusal::HasPart(_)
+                | AlarmAnswerRefusal::HasNoPart(_)
+                | AlarmAnswerRefusal::Contradicted(_)
+                | AlarmAnswerRefusal::WrongRest(_)),
+            ) => (AnswerFit::Refused, answer_refused(line, state, ResourceRequest::Answer(alarm), *why)),
+            // What is so of every answer is in the text of the alarm.
+            AnswerVerdict::Refused(_) | AnswerVerdict::Taken { is_confirmed: false } | AnswerVerdict::Open => {
+                return None;
+            }
+        };
+        Some(AnswerRemark { fit, why })
+    }
 }
 
 impl AlarmAnswerRefusal {

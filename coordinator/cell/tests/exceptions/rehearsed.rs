@@ -1,6 +1,7 @@
 //! The verdict on an answer before it is given, beside what becomes of it when it is.
 
 use linewright_coordinator_cell::exception::ExceptionStep;
+use linewright_coordinator_cell::texts::{AnswerRemark, PermittedAnswer};
 use linewright_coordinator_cell::{AnswerVerdict, PartId, TaskReport};
 use linewright_line::StationId;
 
@@ -70,24 +71,26 @@ fn each_answer_says_whether_it_fits_the_sensors() {
     bench.load_fails();
     let texts = |bench: &CellBench| -> Vec<String> {
         let (line, alarm) = (workcell_line(|line| line), bench.alarm());
-        let all =
-            alarm.words.iter().zip(linewright_coordinator_cell::texts::alarm::meanings(&bench.sim.coordination, alarm));
-        all.map(|(word, meaning)| {
-            linewright_coordinator_cell::texts::judged(&line, bench.state(), alarm.id, meaning, &bench.verdict(word))
-        })
-        .collect()
+        let meanings = linewright_coordinator_cell::texts::alarm::meanings(&bench.sim.coordination, alarm);
+        let answer = |(word, meaning): (&String, String)| PermittedAnswer {
+            word: word.clone(),
+            meaning,
+            remark: AnswerRemark::of(&line, bench.state(), alarm.id, &bench.verdict(word)),
+        };
+        alarm.words.iter().zip(meanings).map(|of| answer(of).text()).collect()
     };
     bench.hear();
     assert_eq!(
         texts(&bench),
         [
-            "once more, part at ST; fits the sensors",
-            "done, part at M1; contradicts the sensors: M1: part expected, sensor off",
-            "part gone; fits the sensors",
+            "in-store (once more, part at ST; fits the sensors)",
+            "in-machine (done, part at M1; contradicts the sensors: M1: part expected, sensor off)",
+            "scrap (part gone; fits the sensors)",
         ]
     );
     let robot = bench.resource("R");
     bench.sim.truth.put(PART, Some(robot));
     bench.hear();
-    assert_eq!(texts(&bench)[1], "done, part at M1; refused now: R: sensor on, but the answer states no part there");
+    let refused = "in-machine (done, part at M1; refused now: R: sensor on, but the answer states no part there)";
+    assert_eq!(texts(&bench)[1], refused);
 }
