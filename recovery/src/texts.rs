@@ -351,6 +351,9 @@ impl OwnReason {
             }
             OwnReason::PositionLost => format!("the position of {name} is lost"),
             OwnReason::OnTheWayHome => format!("{name} is on its recovery path"),
+            OwnReason::AtTheEndOfTheWayHome => {
+                format!("{name} is on its recovery path, and stands at the end of it: this press ends the path")
+            }
             OwnReason::BetweenRests => format!("{name} stands between two rests"),
             OwnReason::Away => format!("{name} is not at home, where counts begin anew"),
         }
