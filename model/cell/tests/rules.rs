@@ -88,7 +88,7 @@ fn a_machine_that_nothing_opens_without_a_part_is_reported() {
     assert_eq!(problems(C1, None), [], "without a line nothing is known of rests");
 }
 
-/// Workcell C1 with errors put into its handshakes: each edit of the line's text, and the warnings about the activities whose orders
+/// Workcell C1 with errors put into its handshakes: each edit of the line's text, and the errors about the activities whose orders
 /// cannot complete then.
 #[test]
 fn a_handshake_that_never_completes_is_reported() {
@@ -116,7 +116,7 @@ fn a_handshake_that_never_completes_is_reported() {
             edited(C1_LINE, &[edit])
         };
         let found = problems(C1, Some(&line_of(&line)));
-        assert!(found.iter().all(|problem| problem.is_warning), "{title}: {found:#?}");
+        assert!(found.iter().all(|problem| !problem.is_warning), "{title}: {found:#?}");
         let one = |problem: &Problem| {
             let (place, hint) = (&C1[problem.span.clone()], problem.hint.as_deref().unwrap_or_default());
             format!("> {place}: {}\n  ({hint})\n", problem.message)
