@@ -7,6 +7,8 @@
 //! order of events completes is reported, as an error. Where another input of the same axis completes it, two inputs have been
 //! taken for each other.
 
+mod transfers;
+
 use std::collections::BTreeSet;
 
 use linewright_line::{AxisId, Grip, InputId, Line, Operation, Sensor, Sign, Stand, Station, StationId};
@@ -26,16 +28,12 @@ pub(super) fn activities_can_complete(draft: &DraftCell<'_>, report: &mut Report
     for activity in &draft.activities {
         let Some(handshake) = Handshake::of(line, activity) else { continue };
         let mut left = STATES_MAX;
-        let Course::Stuck(waiting) = handshake.course(None, SwitchEdge::Sharp, &mut left) else { continue };
-        let is_never = matches!(handshake.course(None, SwitchEdge::Late, &mut left), Course::Stuck(_));
-        let what =
-            if is_never { "never completes" } else { "completes only where two motions begin at the same moment" };
-        let what = format!("`{}` {what}", activity.name);
-        let problem = match handshake.mistaken(&mut left) {
-            Some(mistaken) => handshake.taken_for_each_other(&what, &mistaken),
-            None => handshake.waiting_for_ever(&what, &waiting),
+        let problems = match handshake.course(None, SwitchEdge::Sharp, &mut left) {
+            Course::Stuck(waiting) => handshake.stuck(&activity.name, &waiting, &mut left).into_iter().collect(),
+            Course::Completes => handshake.unordered_transfers(&mut left),
+            Course::Undecided => Vec::new(),
         };
-        problem.into_iter().for_each(|problem| report.add(problem));
+        problems.into_iter().for_each(|problem| report.add(problem));
     }
 }
 
@@ -260,6 +258,18 @@ impl<'d, 'a> Handshake<'d, 'a> {
         let mut found: Vec<&Sensor> = self.line.handling.sensors.iter().filter(is_opposite).collect();
         found.sort_by_key(|sensor| stands_of(sensor).map(|stand| axis_of(&stand)).collect::<BTreeSet<_>>() != axes);
         found.into_iter().map(|sensor| sensor.input)
+    }
+
+    /// The problem of an activity that no order of events completes.
+    fn stuck(&self, activity: &str, waiting: &State, left: &mut usize) -> Option<Problem> {
+        let is_never = matches!(self.course(None, SwitchEdge::Late, left), Course::Stuck(_));
+        let what =
+            if is_never { "never completes" } else { "completes only where two motions begin at the same moment" };
+        let what = format!("`{activity}` {what}");
+        match self.mistaken(left) {
+            Some(mistaken) => self.taken_for_each_other(&what, &mistaken),
+            None => self.waiting_for_ever(&what, waiting),
+        }
     }
 
     fn taken_for_each_other(&self, what: &str, mistaken: &Mistaken) -> Option<Problem> {
