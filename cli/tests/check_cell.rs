@@ -288,7 +288,7 @@ fn tasks_in_conflict_are_kept_apart_by_the_cell_or_it_is_told_how_they_are_not()
     let out = text(&plain.stdout);
     assert_eq!(plain.status.code(), Some(1), "{out}");
     assert!(out.contains("✓ tasks in conflict are never under way at once: they never meet: no activities"), "{out}");
-    assert!(out.contains("orders, and one way measured positions (LS_0 of m1): no axis of robot"), "{out}");
+    assert!(out.contains("orders, and one way measured positions (LS_0 of m1): every axis of robot"), "{out}");
     assert!(out.contains("✗ tasks in conflict are never under way at once: they would meet: after 3 steps"), "{out}");
     assert!(out.contains("2. load M2: R brings A #1 from ST to M2"), "{out}");
     assert!(out.contains("and so: `load M3` and `M2.process` can both start here"), "{out}");
