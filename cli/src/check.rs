@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     };
     let slow = slow::SlowCheck::begin();
     let (mut report, line) = match &files.line {
-        Some(file) => of_line(args, file, files.cell.is_some())?,
+        Some(file) => of_line(args, file, files.cell.as_deref())?,
         None => {
             nothing_of(args.options.of_stations(), "the stations of a line")?;
             (CheckReport::of_no_line(), None)
@@ -75,8 +75,8 @@ pub fn refusals(line: &Line) -> impl Iterator<Item = String> {
 }
 
 /// Report on the line, and the line itself if there is one. With a cell beside it, the cell is checked even if the line
-/// could not be parsed.
-fn of_line(args: &Args, file: &Path, with_cell: bool) -> miette::Result<(CheckReport, Option<Line>)> {
+/// could not be parsed; errors in the text of the cell come first, and the line is judged when there are none.
+fn of_line(args: &Args, file: &Path, cell: Option<&Path>) -> miette::Result<(CheckReport, Option<Line>)> {
     let read = load::parsed(file).and_then(|mut parsed| {
         // Devices' own files do not concern the controllers, but a line with a wrong one is not right.
         load::with_device_files(&mut parsed.line, file, args.json)?;
@@ -84,13 +84,16 @@ fn of_line(args: &Args, file: &Path, with_cell: bool) -> miette::Result<(CheckRe
     });
     match read {
         Ok(parsed) => {
-            let report = report::judge(&parsed, &args.options).into_diagnostic()?;
+            let report = match cell.map(|cell| load::cell(cell, Some(&parsed.line))) {
+                Some(Err(_)) => CheckReport::unjudged(&parsed),
+                Some(Ok(_)) | None => report::judge(&parsed, &args.options).into_diagnostic()?,
+            };
             if !args.json {
                 draw_warnings(file, parsed.warnings)?;
             }
             Ok((report, Some(parsed.line)))
         }
-        Err(error) if args.json || with_cell => {
+        Err(error) if args.json || cell.is_some() => {
             if !args.json {
                 crate::out::complain!("{error:?}");
             }

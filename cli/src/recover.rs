@@ -2,7 +2,6 @@
 //!
 //! The plan is made anew whenever the line has changed. What was the first step before and is none any more is shown as done.
 
-mod answers;
 mod json;
 mod newest;
 mod progress;
@@ -302,6 +301,7 @@ fn refused(client: &OperatorClient, step: &RecoveryStep) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use linewright_coordinator_cell::texts::PermittedAnswer;
     use linewright_recovery::StandingAlarm;
 
     use super::*;
@@ -333,8 +333,7 @@ mod tests {
         let alarm = StandingAlarm {
             id: 3,
             text: "M1 failed.".to_owned(),
-            answers: vec!["as-done".to_owned(), "as-before".to_owned()],
-            meanings: Vec::new(),
+            answers: ["as-done", "as-before"].map(PermittedAnswer::from).to_vec(),
             lead: Vec::new(),
             reset: Vec::new(),
             at_order: Vec::new(),

@@ -170,6 +170,47 @@ fn all_problems_of_a_cell_are_reported_with_their_places() {
     assert!(text(&plain.stderr).contains("robt") && text(&plain.stdout).contains("problems of the text"), "{plain:?}");
 }
 
+/// Workcell C1 beside its line, each with one edit; what `check --structure` prints, and its exit code.
+fn beside_its_line(cell: (&str, &str), line: (&str, &str)) -> (Option<i32>, String, String) {
+    let scratch = Scratch::new();
+    let dir = changed(&scratch, "workcell-c1", &[cell]);
+    let text_of_line = include_str!("../../launch-config/lines/workcell-c1/line.toml");
+    assert!(text_of_line.contains(line.0), "nothing to replace: {}", line.0);
+    scratch.file("line.toml", &text_of_line.replacen(line.0, line.1, 1));
+    let output = linewright(&["check", &dir, "--structure"]);
+    (output.status.code(), text(&output.stdout).to_owned(), text(&output.stderr).to_owned())
+}
+
+const AS_IT_IS: (&str, &str) = ("name = \"workcell_c1\"", "name = \"workcell_c1\"");
+
+/// Errors in the text of a cell are all that is printed: nothing of the line is praised behind them.
+#[test]
+fn a_line_beside_a_cell_with_errors_is_not_judged() {
+    let never = ("waits = [\"m1_ready\"]", "waits = [\"m1_clamped\"]");
+    let unknown = ("task = \"load m1\"", "task = \"lod m1\"");
+    for (cell, line, message) in
+        [(unknown, AS_IT_IS, "has no task `lod m1`"), (AS_IT_IS, never, "`load M1` never completes")]
+    {
+        let (code, out, errors) = beside_its_line(cell, line);
+        assert_eq!((code, out.trim()), (Some(1), "✗ workcell_c1: 1 problem of the text"), "{errors}");
+        assert!(errors.contains(message), "{errors}");
+    }
+}
+
+#[test]
+fn warnings_of_a_text_are_counted_in_the_last_line() {
+    let (short, long) = (("time_s = 25", "time_s = 0.1"), ("watchdog_s = 5.0", "watchdog_s = 5000"));
+    for (line, number) in [(AS_IT_IS, "1 warning"), (long, "2 warnings")] {
+        let (code, out, errors) = beside_its_line(short, line);
+        let last = out.lines().last().unwrap_or_default();
+        assert!(code == Some(0) && last.starts_with("! workcell_c1: "), "{out}{errors}");
+        assert!(last.ends_with(&format!(" checks hold, {number}")), "{out}{errors}");
+    }
+    let (code, out, _) = beside_its_line(AS_IT_IS, AS_IT_IS);
+    let last = out.lines().last().unwrap_or_default();
+    assert!(code == Some(0) && last.starts_with("✓ workcell_c1: ") && last.ends_with(" checks hold"), "{out}");
+}
+
 /// A line of two stations would do; the shipped one is at hand.
 #[test]
 fn a_cell_beside_a_line_is_checked_with_it() {
@@ -247,7 +288,7 @@ fn tasks_in_conflict_are_kept_apart_by_the_cell_or_it_is_told_how_they_are_not()
     let out = text(&plain.stdout);
     assert_eq!(plain.status.code(), Some(1), "{out}");
     assert!(out.contains("✓ tasks in conflict are never under way at once: they never meet: no activities"), "{out}");
-    assert!(out.contains("orders, and one way measured positions (LS_0 of m1): no axis of robot"), "{out}");
+    assert!(out.contains("orders, and one way measured positions (LS_0 of m1): every axis of robot"), "{out}");
     assert!(out.contains("✗ tasks in conflict are never under way at once: they would meet: after 3 steps"), "{out}");
     assert!(out.contains("2. load M2: R brings A #1 from ST to M2"), "{out}");
     assert!(out.contains("and so: `load M3` and `M2.process` can both start here"), "{out}");

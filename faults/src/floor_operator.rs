@@ -5,6 +5,7 @@ use std::time::Duration;
 use linewright_coordinator_cell::exception::{
     AlarmSubject, LeadDirection, RecoveryDecision, StationsToLead, Whereabouts,
 };
+use linewright_coordinator_cell::texts::PermittedAnswer;
 use linewright_coordinator_cell::{ActivityPhase, AlarmId, FiringId, OngoingActivity, PlayerInput};
 use linewright_coordinator_shell::CoordinatorArrival;
 use linewright_line::{StationId, Tick};
@@ -59,8 +60,7 @@ impl FloorWorld {
         StandingAlarm {
             id: id.0,
             text: coordination.alarm_text(now, alarm),
-            answers: alarm.words.clone(),
-            meanings: Vec::new(),
+            answers: alarm.words.iter().map(|word| PermittedAnswer::from(word.as_str())).collect(),
             lead,
             reset,
             at_order,

@@ -37,6 +37,8 @@ pub(crate) enum OwnReason {
     PositionLost,
     /// It is on its recovery path.
     OnTheWayHome,
+    /// It is on its recovery path, and its mechanism stands at the end of it: what is pressed moves nothing.
+    AtTheEndOfTheWayHome,
     /// Task-driven, it stands between two rests.
     BetweenRests,
     /// Every station is led home, where counts begin anew.
@@ -52,16 +54,20 @@ pub(crate) enum BackReason {
 }
 
 impl RecoveryPlan {
-    /// By step, why it is there: of the presses of a plan with several of them.
+    /// By step, why it is there: of the presses of a plan with several of them, and of a press that moves nothing.
     pub fn reasons(&self, line: &Line, situation: &LineSituation) -> Vec<Option<StepReason>> {
         let mut found = vec![None; self.steps.len()];
-        if self.presses() < 2 || self.steps.len() > STEPS_MAX || situation.mode == ControlMode::Auto {
+        let is_press = |step: &RecoveryStep| matches!(step.action, RecoveryAction::Press(..) | RecoveryAction::Resume);
+        // One press alone that moves something explains itself.
+        let is_unclear = |step: &RecoveryStep| is_press(step) && (self.presses() > 1 || step.moves.is_empty());
+        let none_is_unclear = !self.steps.iter().any(is_unclear);
+        if none_is_unclear || self.steps.len() > STEPS_MAX || situation.mode == ControlMode::Auto {
             return found;
         }
         let Some((floor, mut units)) = self.begin_in_manual(line, situation) else { return found };
         for (at, step) in self.steps.iter().enumerate() {
             let Some(after) = played(&floor, &units, step) else { return found };
-            if matches!(step.action, RecoveryAction::Press(..) | RecoveryAction::Resume) {
+            if is_unclear(step) {
                 found[at] = self.reason(&floor, &units, at);
             }
             units = after;
@@ -121,7 +127,15 @@ impl RecoveryPlan {
 
     fn reason(&self, floor: &PlayedLine<'_>, units: &PlayedStations, at: usize) -> Option<StepReason> {
         let step = &self.steps[at];
-        let own = |station: StationId| Some((station, self.own_reason(floor.line, units, station)?));
+        let is_still = step.moves.is_empty();
+        let ends_at_home = step.after.as_ref().is_some_and(|after| after.at_home);
+        let own = |station: StationId| {
+            let own = match self.own_reason(floor.line, units, station)? {
+                OwnReason::OnTheWayHome if is_still && ends_at_home => OwnReason::AtTheEndOfTheWayHome,
+                own => own,
+            };
+            Some((station, own))
+        };
         let mut moved: Vec<StationId> = step.moves.iter().map(|motion| motion.station).collect();
         moved.extend(step.action.station().filter(|_| step.moves.is_empty()));
         moved.dedup();

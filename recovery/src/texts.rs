@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use linewright_coordinator_cell::texts::PermittedAnswer;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{AxisId, Line, OpId, Owner, Station, StationId};
@@ -60,12 +61,7 @@ impl Need {
                 format!("wait: {activity}{at}")
             }
             Need::Answer(alarm) => {
-                let meaning = |at: usize| alarm.meanings.get(at).filter(|text| !text.is_empty());
-                let answer = |(at, word): (usize, &String)| match meaning(at) {
-                    Some(text) => format!("{word} ({text})"),
-                    None => word.clone(),
-                };
-                let answers = alarm.answers.iter().enumerate().map(answer).collect::<Vec<_>>().join(" or ");
+                let answers = alarm.answers.iter().map(PermittedAnswer::text).collect::<Vec<_>>().join(" or ");
                 format!("alarm {}: {} Then answer by what is so at the machine now: {answers}", alarm.id, alarm.text)
             }
             Need::Other(text) => text.clone(),
@@ -296,7 +292,7 @@ impl RecoveryStep {
         let one = match &self.action {
             RecoveryAction::First(Need::Answer(alarm)) => {
                 let id = alarm.id.to_string();
-                return alarm.answers.iter().map(|word| words(&["answer", "LINE", &id, word])).collect();
+                return alarm.answers.iter().map(|of| words(&["answer", "LINE", &id, &of.word])).collect();
             }
             RecoveryAction::First(Need::Reset(station)) => words(&["resource", "LINE", &name(*station), "reset"]),
             RecoveryAction::First(_) => return Vec::new(),
@@ -374,6 +370,9 @@ impl OwnReason {
             }
             OwnReason::PositionLost => format!("the position of {name} is lost"),
             OwnReason::OnTheWayHome => format!("{name} is on its recovery path"),
+            OwnReason::AtTheEndOfTheWayHome => {
+                format!("{name} is on its recovery path, and stands at the end of it: this press ends the path")
+            }
             OwnReason::BetweenRests => format!("{name} stands between two rests"),
             OwnReason::Away => format!("{name} is not at home, where counts begin anew"),
         }

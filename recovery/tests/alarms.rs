@@ -1,5 +1,6 @@
 //! Alarms of a cell in a plan: what they ask to be led is led, and they are answered.
 
+use linewright_coordinator_cell::texts::PermittedAnswer;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{InputId, Line, OpId, StationId, Tick};
@@ -11,11 +12,12 @@ use crate::holding::reported;
 
 /// An alarm of an activity whose stations are held between two rests.
 fn alarm(lead: &[StationId], reset: &[StationId]) -> StandingAlarm {
+    let meaning = "not done, part at M1".to_owned();
+    let as_before = PermittedAnswer { meaning, ..PermittedAnswer::from("as-before") };
     StandingAlarm {
         id: 3,
         text: "M1.process failed. Answer where the part is.".to_owned(),
-        answers: vec!["as-before".to_owned(), "gone".to_owned()],
-        meanings: vec!["not done, part at M1".to_owned()],
+        answers: vec![as_before, PermittedAnswer::from("gone")],
         lead: lead.to_vec(),
         reset: reset.to_vec(),
         at_order: Vec::new(),

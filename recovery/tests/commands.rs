@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use linewright_coordinator_cell::texts::PermittedAnswer;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{ButtonId, Line, RestId, StationId};
@@ -88,9 +89,9 @@ impl WrongRest {
         if !self.is_answered {
             seen.left_out = vec![self.station];
             let bring = Some((self.station, self.wanted)).filter(|_| self.rest() != Some(self.wanted));
-            let (text, answers) = ("m1 stands at rest \"clamped\".".to_owned(), vec!["up".to_owned()]);
-            let (meanings, lead, reset, at_order) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-            let alarm = StandingAlarm { id: 7, text, answers, meanings, lead, reset, at_order, end: None, bring };
+            let (text, answers) = ("m1 stands at rest \"clamped\".".to_owned(), vec![PermittedAnswer::from("up")]);
+            let (lead, reset, at_order) = (Vec::new(), Vec::new(), Vec::new());
+            let alarm = StandingAlarm { id: 7, text, answers, lead, reset, at_order, end: None, bring };
             seen.alarms = vec![alarm];
         }
         seen

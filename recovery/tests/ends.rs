@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use linewright_coordinator_cell::texts::PermittedAnswer;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::{Line, OpId, StationId, TaskId};
 use linewright_proof::generate::Random;
@@ -100,8 +101,7 @@ impl Transfer {
         seen.alarms = vec![StandingAlarm {
             id: 1,
             text: "it failed.".to_owned(),
-            answers: vec!["as-before".to_owned(), "as-done".to_owned()],
-            meanings: Vec::new(),
+            answers: ["as-before", "as-done"].map(PermittedAnswer::from).to_vec(),
             lead: self.held(),
             reset: Vec::new(),
             at_order: Vec::new(),

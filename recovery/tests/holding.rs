@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use linewright_coordinator_cell::texts::PermittedAnswer;
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{AxisId, Grip, HolderId, InputId, Line, Sensor, Sign, Stand, StationId, TaskId, Tick};
 use linewright_recovery::{
@@ -183,8 +184,7 @@ impl<'l> Transfer<'l> {
         seen.alarms = vec![StandingAlarm {
             id: 1,
             text: "it failed.".to_owned(),
-            answers: vec!["as-before".to_owned(), "as-done".to_owned()],
-            meanings: Vec::new(),
+            answers: ["as-before", "as-done"].map(PermittedAnswer::from).to_vec(),
             lead,
             reset: Vec::new(),
             at_order: Vec::new(),

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use linewright_line::StationId;
-use linewright_recovery::plan;
+use linewright_proof::generate::{self, LineShape};
+use linewright_recovery::{RecoveryAction, RecoveryStep, plan};
 use linewright_simulation::{LineSim, NodeProcess, OperatorAction};
 use linewright_testkit::built::transfer_line;
 
@@ -73,4 +74,26 @@ fn what_return_alone_leads_home_is_known() {
     let found = plan(line, &now);
     let home = |name: &str| found.returns_home(line, &now, line.station_named(name).expect("it is there"));
     assert_eq!([home("mill_1"), home("transfer")], [true, false]);
+}
+
+/// The mechanism stands where the recovery path ends: the press moves nothing, and ends the path. Where it is the only press, too.
+#[test]
+fn a_press_that_moves_nothing_has_its_reason() {
+    let shape = LineShape { irreversible: 40, ..LineShape::small() };
+    for is_alone in [true, false] {
+        let sims = (0..60).map(|seed| disturbed(&generate::line(&shape, seed), seed));
+        let plans = sims.map(|sim| (plan(sim.line(), &situation(&sim)), sim));
+        let is_still = |step: &RecoveryStep| matches!(step.action, RecoveryAction::Press(..)) && step.moves.is_empty();
+        let mut plans = plans.filter(|(plan, _)| (plan.presses() == 1) == is_alone && plan.steps.iter().any(is_still));
+        let (found, sim) = plans.next().expect("some have one");
+        let at = found.steps.iter().position(is_still).expect("it has one");
+        let (step, line) = (&found.steps[at], sim.line());
+        assert!(step.after.as_ref().is_some_and(|after| after.at_home), "{step:?}");
+        let name = &line.station(step.action.station().expect("a press is at a station")).name;
+        let why = found.reasons(line, &situation(&sim))[at].as_ref().map(|why| why.text(line)).unwrap_or_default();
+        assert_eq!(
+            why,
+            format!("{name} is on its recovery path, and stands at the end of it: this press ends the path")
+        );
+    }
 }

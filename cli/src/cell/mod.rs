@@ -3,6 +3,7 @@
 //! Shared by the subcommands about cells: `order`, `why`, `answer`, `resource` and `run`. Like [`crate::client`] it
 //! uses only what the stock tools can use.
 
+mod answers;
 mod operate;
 mod why;
 
@@ -13,9 +14,9 @@ use std::time::{Duration, Instant};
 use linewright_fieldbus::Clock;
 use linewright_line::Line;
 use linewright_msgs::{
-    AlarmState, AnswerAlarm, AnswerAlarmRequest, Bounded, CellState, ChangeOrder, ChangeOrderRequest,
-    ProductionRequest, ProductionState, RosService, SetResource, SetResourceRequest, SubmitOrders, SubmitOrdersRequest,
-    WhyNot, WhyNotRequest,
+    AnswerAlarm, AnswerAlarmRequest, Bounded, CellState, ChangeOrder, ChangeOrderRequest, ProductionRequest,
+    ProductionState, RosService, SetResource, SetResourceRequest, SubmitOrders, SubmitOrdersRequest, WhyNot,
+    WhyNotRequest,
 };
 use linewright_node_shell::{CallError, Caller, Forward, Mapping, RosArgs, RosNode, forward, fresh_key, qos};
 use linewright_station_shell::NewestBySequence;
@@ -24,6 +25,7 @@ use tokio::sync::mpsc;
 
 use crate::client::{join, not_heard};
 
+pub use answers::{AnswerJson, answers, permitted};
 pub use operate::{AnswerArgs, CellJson, OrderArgs, ResourceArgs, answer, order, resource};
 pub use why::{WhyArgs, why};
 
@@ -174,16 +176,6 @@ impl CellClient {
         let response = ask(&self.resource, &asked).await?;
         done(response.accepted, &response.reason)
     }
-}
-
-/// Answers to an alarm as one line of text, each with its meaning in parentheses.
-pub fn answers(alarm: &AlarmState) -> String {
-    let meaning = |at: usize| alarm.meanings.get(at).filter(|text| !text.is_empty());
-    let answer = |(at, word): (usize, &String)| match meaning(at) {
-        Some(text) => format!("{word} ({text})"),
-        None => word.clone(),
-    };
-    alarm.answers.iter().enumerate().map(answer).collect::<Vec<_>>().join(", ")
 }
 
 /// The user, for the coordinator's log.

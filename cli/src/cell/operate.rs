@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::time::{Duration, SystemTime};
 
 use clap::{Args, Subcommand};
+use linewright_coordinator_cell::texts::PermittedAnswer;
 use linewright_coordinator_cell::texts::alarm::takes_back;
 use linewright_msgs::{AlarmState, CellState, ProductionState, SetResourceRequest, Time};
 use linewright_node_shell::RosArgs;
@@ -12,7 +13,8 @@ use miette::miette;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{CellClient, answers, request};
+use super::answers::verdict;
+use super::{CellClient, answers, permitted, request};
 use crate::load;
 use crate::out::{self, say};
 
@@ -172,12 +174,15 @@ impl CellJson {
 }
 
 fn alarms(state: &CellState) -> Vec<Value> {
-    let alarms = state.alarms.as_slice().iter();
-    alarms
-        .map(
-            |alarm| json!({ "id": alarm.id, "text": alarm.text, "answers": alarm.answers, "meanings": alarm.meanings }),
-        )
-        .collect()
+    let alarm = |alarm: &AlarmState| {
+        let remark = |of: PermittedAnswer| of.remark.map(|remark| verdict(remark.fit));
+        let verdicts: Vec<Option<&str>> = permitted(alarm).into_iter().map(remark).collect();
+        let AlarmState { id, text, answers, meanings, verdict_reasons, .. } = alarm;
+        json!({
+            "id": id, "text": text, "answers": answers, "meanings": meanings, "verdicts": verdicts, "verdict_reasons": verdict_reasons
+        })
+    };
+    state.alarms.as_slice().iter().map(alarm).collect()
 }
 
 fn list(state: &CellState) -> String {

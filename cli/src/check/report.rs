@@ -102,6 +102,15 @@ impl CheckReport {
         CheckReport { problems: vec![place], ..CheckReport::nothing() }
     }
 
+    /// A line of which nothing was judged, since the cell beside it has errors in its text.
+    pub fn unjudged(parsed: &ParsedLine) -> Self {
+        CheckReport {
+            line: Some(parsed.line.name.clone()),
+            warnings: parsed.warnings.iter().map(TextPlace::from).collect(),
+            ..CheckReport::nothing()
+        }
+    }
+
     /// There is no line, which is nothing wrong.
     pub fn of_no_line() -> Self {
         CheckReport { ok: true, ..CheckReport::nothing() }

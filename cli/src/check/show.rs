@@ -33,7 +33,7 @@ pub fn text(report: &CheckReport) -> String {
 }
 
 fn write(report: &CheckReport, out: &mut String) -> std::fmt::Result {
-    if report.line.is_some() {
+    if !report.stations.is_empty() {
         of_line(report, out)?;
     }
     if let Some(cell) = &report.cell {
@@ -92,17 +92,19 @@ fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
         let s = if problems == 1 { "" } else { "s" };
         return writeln!(out, "\n✗ {name}: {problems} problem{s} of the text");
     }
-    // Those of the text are counted where they are drawn.
-    let warnings = match report.warnings.iter().filter(|warning| warning.line.is_none()).count() {
-        0 => String::new(),
-        1 => ", 1 warning".to_owned(),
-        number => format!(", {number} warnings"),
+    // Those of the text too, which are drawn far above.
+    let (sign, warnings) = match report.warnings.len() + report.cell.as_ref().map_or(0, |cell| cell.warnings.len()) {
+        0 => ("✓", String::new()),
+        1 => ("!", ", 1 warning".to_owned()),
+        number => ("!", format!(", {number} warnings")),
     };
     match (failed, open) {
-        (0, 0) => writeln!(out, "\n✓ {name}: {all} checks hold{warnings}"),
-        (0, open) => writeln!(out, "\n? {name}: {open} of {all} checks are undecided"),
-        (failed, 0) => writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold"),
-        (failed, open) => writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold, {open} are undecided"),
+        (0, 0) => writeln!(out, "\n{sign} {name}: {all} checks hold{warnings}"),
+        (0, open) => writeln!(out, "\n? {name}: {open} of {all} checks are undecided{warnings}"),
+        (failed, 0) => writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold{warnings}"),
+        (failed, open) => {
+            writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold, {open} are undecided{warnings}")
+        }
     }
 }
 

@@ -10,8 +10,8 @@ use linewright_recovery::{
 };
 use serde::Serialize;
 
-use super::answers::{AnswerJson, answers};
 use super::newest::ReasonedPlan;
+use crate::cell::AnswerJson;
 use crate::client::OperatorClient;
 use crate::states::ModeJson;
 
@@ -169,7 +169,7 @@ impl StepJson {
             arguments,
             choices: commands,
             answers: match &step.action {
-                RecoveryAction::First(Need::Answer(alarm)) => answers(alarm),
+                RecoveryAction::First(Need::Answer(alarm)) => alarm.answers.iter().map(AnswerJson::from).collect(),
                 _ => Vec::new(),
             },
         }

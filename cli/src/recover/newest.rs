@@ -13,7 +13,7 @@ use linewright_recovery::{
 };
 
 use super::progress::behind_signals;
-use crate::cell::CellClient;
+use crate::cell::{CellClient, permitted};
 use crate::client::OperatorClient;
 
 /// A plan, with the reason of each step that needs one.
@@ -121,8 +121,7 @@ fn alarms(line: &Line, cell: &CellState) -> Vec<StandingAlarm> {
     let alarm = |alarm: &AlarmState| StandingAlarm {
         id: alarm.id,
         text: alarm.text.clone(),
-        answers: alarm.answers.to_vec(),
-        meanings: alarm.meanings.to_vec(),
+        answers: permitted(alarm),
         lead: named(line, &alarm.lead),
         reset: named(line, &alarm.reset),
         at_order: named(line, &alarm.at_order),

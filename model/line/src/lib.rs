@@ -43,7 +43,7 @@ pub use io_list::{
 pub use line::*;
 pub use modbus::{Modbus, REGISTER_BITS, RegisterValue, Table, WatchdogRegister};
 pub use parse::{ParsedLine, Problem, Problems, expand, is_described, parse, schema, suggestion};
-pub use position::{ClearanceInputs, NoClearance};
+pub use position::{ClearanceInputs, CutShort, NoClearance};
 pub use task::{
     CODE_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, Parameter, REJOIN_AT_REST, RESTS_MAX, Rest, RestId, TASKS_MAX, Task,
     TaskId,

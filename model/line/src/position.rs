@@ -17,10 +17,12 @@ fn same_place(a: f64, b: f64) -> bool {
 }
 
 /// Reason why no switches measure whether a station is outside a state of a conflict.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum NoClearance {
     /// No axis with a switch stands still all the time the station is outside the state.
     NothingStandsStill,
+    /// Neither does any, since an axis that moves inside the state goes on outside it, next to it.
+    CutShort(CutShort),
     /// The axes that stand still outside the state stand there during this operation too, which is inside it.
     NotSeen {
         /// The operation.
@@ -54,13 +56,44 @@ impl ClearanceInputs {
     }
 }
 
+/// An operation outside a state of a conflict, with which the state would begin and end with an axis at one place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutShort {
+    pub op: OpId,
+    /// Where the axis stands between this operation and the state.
+    pub away: f64,
+    /// Where it stands at the other end of the state.
+    pub rest: f64,
+    /// The operation follows the state; it comes before it otherwise.
+    pub follows: bool,
+}
+
+impl CutShort {
+    fn text(&self, station: &Station) -> String {
+        let operation = &station.operations[self.op.index()];
+        let (name, axis) = (&operation.name, &station.axes[operation.motion.axis.index()].name);
+        let (away, rest, of) = (self.away, self.rest, &station.name);
+        match self.follows {
+            true => format!(
+                "`{name}` of {of} is outside this state: `{axis}` stands at {away} where the state ends, and is back at {rest} only after \
+                 this operation; if it is in the way until then, write `until = \"{name}\"`"
+            ),
+            false => format!(
+                "`{name}` of {of} is outside this state: `{axis}` leaves {rest} with this operation, and stands at {away} where the state \
+                 begins; if it is in the way from then on, write `from = \"{name}\"`"
+            ),
+        }
+    }
+}
+
 impl NoClearance {
     /// The reason, for a station of the line.
     pub fn text(&self, station: &Station) -> String {
         match self {
             NoClearance::NothingStandsStill => {
-                format!("no axis of {} with a limit switch stands still outside this state", station.name)
+                format!("every axis of {} with a limit switch moves outside this state too", station.name)
             }
+            NoClearance::CutShort(cut) => cut.text(station),
             NoClearance::NotSeen { op } => {
                 let name = &station.operations[op.index()].name;
                 format!("no limit switch of {} tells `{name}` from being outside this state", station.name)
@@ -170,6 +203,34 @@ impl Station {
         before
     }
 
+    /// The operation that a state of a conflict has to take in so that the axis with which it begins, or else the one with which it ends,
+    /// stands at its end where it stood at its beginning: the nearer one, of those after the state and before it.
+    fn cut_short(&self, span: &StateSpan, before: &[Vec<f64>], inside: &[usize], end: &[f64]) -> Option<CutShort> {
+        // Before and after a task comes whatever is ordered.
+        if self.is_task_driven() {
+            return None;
+        }
+        let (count, outside) = (self.steps.len(), self.steps.len() - inside.len());
+        let (first, last) = (inside[0], inside[inside.len() - 1]);
+        let axis_of = |op: OpId| self.operations[op.index()].motion.axis.index();
+        let moves = |step: usize, axis: usize| self.steps[step].iter().copied().find(|op| axis_of(*op) == axis);
+        let is_away = |axis: &usize| self.axes[*axis].index.is_none() && !same_place(before[first][*axis], end[*axis]);
+        let axis = [span.from, span.until].map(axis_of).into_iter().find(is_away)?;
+        let (rest, end) = (before[first][axis], end[axis]);
+        let after = (1..=outside).find_map(|n| {
+            let op = moves((last + n) % count, axis)?;
+            let is_back = same_place(self.operations[op.index()].motion.to, rest);
+            is_back.then_some((n, CutShort { op, away: end, rest, follows: true }))
+        });
+        let earlier = (1..=outside).find_map(|n| {
+            let step = (first + count - n) % count;
+            let op = moves(step, axis)?;
+            let is_left = same_place(before[step][axis], end);
+            is_left.then_some((n, CutShort { op, away: rest, rest: end, follows: false }))
+        });
+        after.into_iter().chain(earlier).min_by_key(|(n, _)| *n).map(|(_, cut)| cut)
+    }
+
     fn move_axes(&self, step: usize, at: &mut [f64]) {
         for op in &self.steps[step] {
             let motion = self.operations[op.index()].motion;
@@ -266,7 +327,8 @@ impl Line {
             .filter(|&axis| station.switches_at(AxisId::at(axis), rest[axis]) != 0)
             .collect();
         if still.is_empty() {
-            return Err(NoClearance::NothingStandsStill);
+            let cut = station.cut_short(span, &before, &inside, &end);
+            return Err(cut.map_or(NoClearance::NothingStandsStill, NoClearance::CutShort));
         }
         for (nth, &step) in inside.iter().enumerate() {
             let (start, end) = (&before[step], after(step));

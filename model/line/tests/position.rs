@@ -66,6 +66,35 @@ fn a_state_outside_which_its_axis_moves_is_not_told_by_switches() {
     assert_eq!(line.clearance(&span), Err(NoClearance::NothingStandsStill));
 }
 
+/// A stretch of the shipped line without the operation that ends or begins it.
+#[test]
+fn a_state_that_is_cut_short_names_the_operation_that_is_missing() {
+    let line = transfer_line();
+    let why = |station: usize, from: &str, until: &str| {
+        let of = &line.stations[station];
+        let op = |name| of.operation_named(name).expect("it has it");
+        let span = StateSpan { station: StationId::at(station), from: op(from), until: op(until) };
+        line.clearance(&span).expect_err("no switch tells it").text(of)
+    };
+    let missing = |op: &str, of: &str, axis: &str, (away, rest): (u32, u32)| {
+        format!(
+            "`{op}` of {of} is outside this state: `{axis}` stands at {away} where the state ends, and is back at {rest} only after this \
+             operation; if it is in the way until then, write `until = \"{op}\"`"
+        )
+    };
+    assert_eq!(why(0, "1st lift", "3rd lower"), missing("4th lower", "transfer", "vertical", (50, 0)));
+    assert_eq!(why(0, "1st lift", "advance transfer"), missing("4th lower", "transfer", "vertical", (200, 0)));
+    let back = "rapid return positioning slide";
+    let slide = missing(back, "mill_1", "positioning_slide", (100, 0));
+    assert_eq!(why(2, "rapid advance positioning slide", "feed main slide"), slide);
+    assert_eq!(why(1, "advance clamp", "advance clamp"), missing("return clamp", "clamp_1", "stroke", (60, 0)));
+    assert_eq!(
+        why(0, "2nd lift", "4th lower"),
+        "`1st lift` of transfer is outside this state: `vertical` leaves 0 with this operation, and stands at 50 where the state begins; if \
+         it is in the way from then on, write `from = \"1st lift\"`"
+    );
+}
+
 #[test]
 fn a_state_in_which_a_mechanism_returns_to_where_it_stands_outside_is_not_told_by_switches() {
     let line = transfer_line();

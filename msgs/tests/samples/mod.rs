@@ -264,6 +264,8 @@ pub fn cell_state() -> CellState {
         text: "put it back".into(),
         answers: vec!["in-store".into()],
         meanings: vec!["part in ST".into()],
+        verdicts: vec![AlarmState::VERDICT_CONTRADICTS],
+        verdict_reasons: vec!["ST: part expected, sensor off".into()],
         lead: vec!["s1".into(), "s2".into()],
         reset: vec!["s2".into()],
         at_order: vec!["s5".into()],

@@ -19,39 +19,95 @@ pub fn answer_refused(line: &Line, state: &PlayerState, asked: ResourceRequest, 
     why.text(asked, station, resource, answers)
 }
 
-/// The meaning of an answer, with whether it fits what sensors say now, or that none sees it, or which station is not received; nothing is
-/// added where that is said of every answer by the alarm.
-pub fn judged(line: &Line, state: &PlayerState, alarm: AlarmId, meaning: String, verdict: &AnswerVerdict) -> String {
-    let handling = state.table().handling();
-    let why = match verdict {
-        AnswerVerdict::Taken { unseen } if unseen.is_empty() => "fits the sensors".to_owned(),
-        AnswerVerdict::Taken { unseen } => {
-            let names: Vec<&str> = unseen.iter().map(|&id| handling.resource_name(id)).collect();
-            format!("not measured: look at {}", names.join(" and "))
+/// Whether sensors confirm an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnswerFit {
+    Fits,
+    /// No sensor sees what it claims.
+    NotMeasured,
+    /// A station whose sensors would show it is not received.
+    NotKnown,
+    Contradicts,
+    /// It would be refused if it were given now.
+    Refused,
+}
+
+/// What the newest reports of sensors say of an answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AnswerRemark {
+    pub fit: AnswerFit,
+    /// Where to look, which station is not received, the sensors that contradict it, or why it is refused; empty where it fits.
+    pub why: String,
+}
+
+/// A permitted answer to an alarm, as operators read it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PermittedAnswer {
+    pub word: String,
+    /// What becomes of the activity, and where its part is then; empty where nothing is said of it.
+    pub meaning: String,
+    /// None where sensors say nothing of it.
+    pub remark: Option<AnswerRemark>,
+}
+
+/// An answer of which nothing more is known.
+impl From<&str> for PermittedAnswer {
+    fn from(word: &str) -> Self {
+        PermittedAnswer { word: word.to_owned(), meaning: String::new(), remark: None }
+    }
+}
+
+impl PermittedAnswer {
+    /// The answer, with its meaning and the remark in parentheses.
+    pub fn text(&self) -> String {
+        let remark = self.remark.as_ref().map(AnswerRemark::text).unwrap_or_default();
+        let known: Vec<&str> = [self.meaning.as_str(), &remark].into_iter().filter(|of| !of.is_empty()).collect();
+        if known.is_empty() { self.word.clone() } else { format!("{} ({})", self.word, known.join("; ")) }
+    }
+}
+
+impl AnswerRemark {
+    fn text(&self) -> String {
+        match self.fit {
+            AnswerFit::Fits => "fits the sensors".to_owned(),
+            AnswerFit::NotMeasured => format!("not measured: {}", self.why),
+            AnswerFit::NotKnown => format!("not known: {}", self.why),
+            AnswerFit::Contradicts => format!("contradicts the sensors: {}", self.why),
+            AnswerFit::Refused => format!("refused now: {}", self.why),
         }
-        AnswerVerdict::Contradicted(found) => {
-            let found: Vec<String> = found.iter().map(|of| difference(handling, of)).collect();
-            format!("contradicts the sensors: {}", found.join(", "))
-        }
-        AnswerVerdict::Refused(
-            why @ (AlarmAnswerRefusal::HasPart(_)
-            | AlarmAnswerRefusal::HasNoPart(_)
-            | AlarmAnswerRefusal::Contradicted(_)
-            | AlarmAnswerRefusal::WrongRest(_)
-            | AlarmAnswerRefusal::NotHeard(_)
-            | AlarmAnswerRefusal::Unheard(..)),
-        ) => format!("refused now: {}", answer_refused(line, state, ResourceRequest::Answer(alarm), *why)),
-        AnswerVerdict::Open { silent } if !silent.is_empty() => {
-            let names: Vec<&str> = silent.iter().map(|&id| line.station(id).name.as_str()).collect();
-            format!(
-                "not known: no state received from {}; start it again, or look at its host and network",
-                names.join(" and ")
-            )
-        }
-        // What is so of every answer is in the text of the alarm.
-        AnswerVerdict::Refused(_) | AnswerVerdict::Open { .. } => return meaning,
-    };
-    if meaning.is_empty() { why } else { format!("{meaning}; {why}") }
+    }
+
+    /// The remark that follows from the verdict on an answer; none where sensors say nothing of it.
+    pub fn of(line: &Line, state: &PlayerState, alarm: AlarmId, verdict: &AnswerVerdict) -> Option<Self> {
+        let handling = state.table().handling();
+        let (fit, why) = match verdict {
+            AnswerVerdict::Taken { unseen } if unseen.is_empty() => (AnswerFit::Fits, String::new()),
+            AnswerVerdict::Taken { unseen } => {
+                let names: Vec<&str> = unseen.iter().map(|&id| handling.resource_name(id)).collect();
+                (AnswerFit::NotMeasured, format!("look at {}", names.join(" and ")))
+            }
+            AnswerVerdict::Open { silent } if !silent.is_empty() => {
+                let names: Vec<&str> = silent.iter().map(|&id| line.station(id).name.as_str()).collect();
+                let text = "start it again, or look at its host and network";
+                (AnswerFit::NotKnown, format!("no state received from {}; {text}", names.join(" and ")))
+            }
+            AnswerVerdict::Contradicted(found) => {
+                let found: Vec<String> = found.iter().map(|of| difference(handling, of)).collect();
+                (AnswerFit::Contradicts, found.join(", "))
+            }
+            AnswerVerdict::Refused(
+                why @ (AlarmAnswerRefusal::HasPart(_)
+                | AlarmAnswerRefusal::HasNoPart(_)
+                | AlarmAnswerRefusal::Contradicted(_)
+                | AlarmAnswerRefusal::WrongRest(_)
+                | AlarmAnswerRefusal::NotHeard(_)
+                | AlarmAnswerRefusal::Unheard(..)),
+            ) => (AnswerFit::Refused, answer_refused(line, state, ResourceRequest::Answer(alarm), *why)),
+            // What is so of every answer is in the text of the alarm.
+            AnswerVerdict::Refused(_) | AnswerVerdict::Open { .. } => return None,
+        };
+        Some(AnswerRemark { fit, why })
+    }
 }
 
 impl AlarmAnswerRefusal {

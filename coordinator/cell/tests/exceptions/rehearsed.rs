@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use linewright_coordinator_cell::exception::{ExceptionStep, Whereabouts};
+use linewright_coordinator_cell::texts::{AnswerRemark, PermittedAnswer};
 use linewright_coordinator_cell::{AnswerVerdict, PartId, TaskReport};
 use linewright_line::{StationId, Tick};
 
@@ -75,30 +76,32 @@ fn each_answer_says_whether_it_fits_the_sensors() {
     bench.load_fails();
     let texts = |bench: &CellBench| -> Vec<String> {
         let (line, alarm) = (workcell_line(|line| line), bench.alarm());
-        let all =
-            alarm.words.iter().zip(linewright_coordinator_cell::texts::alarm::meanings(&bench.sim.coordination, alarm));
-        all.map(|(word, meaning)| {
-            linewright_coordinator_cell::texts::judged(&line, bench.state(), alarm.id, meaning, &bench.verdict(word))
-        })
-        .collect()
+        let meanings = linewright_coordinator_cell::texts::alarm::meanings(&bench.sim.coordination, alarm);
+        let answer = |(word, meaning): (&String, String)| PermittedAnswer {
+            word: word.clone(),
+            meaning,
+            remark: AnswerRemark::of(&line, bench.state(), alarm.id, &bench.verdict(word)),
+        };
+        alarm.words.iter().zip(meanings).map(|of| answer(of).text()).collect()
     };
     bench.hear();
     assert_eq!(
         texts(&bench),
         [
-            "once more, part at ST; not measured: look at ST",
-            "done, part at M1; contradicts the sensors: M1: part expected, sensor off",
-            "part gone; not measured: look at ST",
+            "in-store (once more, part at ST; not measured: look at ST)",
+            "in-machine (done, part at M1; contradicts the sensors: M1: part expected, sensor off)",
+            "scrap (part gone; not measured: look at ST)",
         ]
     );
     let machine = bench.resource("M1");
     bench.sim.truth.put(PART, Some(machine));
     bench.hear();
-    assert_eq!(texts(&bench)[1], "done, part at M1; fits the sensors");
+    assert_eq!(texts(&bench)[1], "in-machine (done, part at M1; fits the sensors)");
     let robot = bench.resource("R");
     bench.sim.truth.put(PART, Some(robot));
     bench.hear();
-    assert_eq!(texts(&bench)[1], "done, part at M1; refused now: R: sensor on, but the answer states no part there");
+    let refused = "in-machine (done, part at M1; refused now: R: sensor on, but the answer states no part there)";
+    assert_eq!(texts(&bench)[1], refused);
 }
 
 /// While a station is away each answer says so, and what to do: for a moment nothing can be compared, later nothing is taken.
@@ -113,20 +116,15 @@ fn answers_name_a_station_that_is_not_received() {
         let known = all.iter().enumerate().map(|(at, report)| (StationId::at(at), report));
         let known: Vec<(StationId, &TaskReport)> = known.filter(|(id, _)| *id != silent).collect();
         let verdict = bench.sim.coordination.rehearsed(now, bench.alarm().id, "in-store", &known);
-        let meaning = "part at ST".to_owned();
-        linewright_coordinator_cell::texts::judged(
-            &workcell_line(|line| line),
-            bench.state(),
-            bench.alarm().id,
-            meaning,
-            &verdict,
-        )
+        let line = workcell_line(|line| line);
+        let remark = AnswerRemark::of(&line, bench.state(), bench.alarm().id, &verdict);
+        PermittedAnswer { remark, ..PermittedAnswer::from("in-store") }.text()
     };
     let now = bench.sim.now;
     assert_eq!(
         text(&bench, now, m1),
-        "part at ST; not known: no state received from m1; start it again, or look at its host and network"
+        "in-store (not known: no state received from m1; start it again, or look at its host and network)"
     );
     let later = text(&bench, now + Duration::from_secs(600), m1);
-    assert!(later.starts_with("part at ST; refused now: ") && later.contains("no state received"), "{later}");
+    assert!(later.starts_with("in-store (refused now: ") && later.contains("no state received"), "{later}");
 }

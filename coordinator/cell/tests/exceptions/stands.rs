@@ -205,20 +205,20 @@ fn a_station_half_way_is_named_before_what_a_sensor_contradicts() {
 fn of_inputs_that_were_waited_for_the_missing_ones_are_named() {
     let two = |line: String| {
         assert!(line.contains("waits = [\"m1_clamped\"]"));
-        line.replacen("waits = [\"m1_clamped\"]", "waits = [\"m1_clamped\", \"m1_ready\"]", 1)
+        line.replacen("waits = [\"m1_clamped\"]", "waits = [\"m1_clamped\", \"part_in_hand\"]", 1)
     };
     let mut bench = CellBench::c1_of_line(two, &[1, 0]);
     bench.at("robot").fails_with = Some(22);
     bench.at("m1").is_stuck = true;
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let (all, robot) = (bench.alarm_now(), bench.station("robot"));
-    assert!(all.contains("(code 22): m1_clamped, m1_ready, after"), "{all}");
+    assert!(all.contains("(code 22): m1_clamped, part_in_hand, after"), "{all}");
     let line = linewright_line::parse("line.toml", linewright_testkit::cells::C1_LINE).expect("it is sound").line;
-    let ready = line.station(robot).inputs.iter().position(|input| input == "m1_ready").expect("an input");
-    let report = TaskReport { off: 1 << ready, ..bench.at("robot").heard() };
+    let in_hand = line.station(robot).inputs.iter().position(|input| input == "part_in_hand").expect("an input");
+    let report = TaskReport { off: 1 << in_hand, ..bench.at("robot").heard() };
     bench.say(PlayerInput::Station(robot, &report));
     let missing = bench.alarm_now();
-    assert!(missing.contains("(code 22): m1_ready, after"), "{missing}");
+    assert!(missing.contains("(code 22): part_in_hand, after"), "{missing}");
 }
 
 /// A code may be that of several tasks: the inputs are those of the one that was ordered. The other order's failure is reported as well.

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use linewright_coordinator_cell::exception::{Alarm, LeadDirection, StationsToLead};
 use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
+use linewright_coordinator_cell::texts::{AnswerFit, AnswerRemark};
 use linewright_coordinator_cell::{
     ActivityPhase, CellTable, Coordination, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderProgress, Part,
     PartPlace, PlayerState, ProductionId, TaskReport, texts,
@@ -55,7 +56,9 @@ pub fn describe(
             raised: time(alarm.since),
             text: fitting(coordination.alarm_text(now, alarm)),
             answers: alarm.words.clone(),
-            meanings: Vec::new(),
+            meanings: texts::alarm::meanings(coordination, alarm),
+            verdicts: Vec::new(),
+            verdict_reasons: Vec::new(),
             lead: names(lead),
             reset: names(reset),
             at_order: names(at_order),
@@ -67,7 +70,10 @@ pub fn describe(
     };
     let mut alarms: Vec<AlarmState> = state.exceptions().alarms().take(LISTED_MAX).map(alarm).collect();
     for (at, (listed, of)) in alarms.iter_mut().zip(state.exceptions().alarms()).enumerate() {
-        listed.meanings = meanings(line, coordination, reports, now, (of, at < REHEARSED_MAX));
+        let remarks = remarks(line, coordination, reports, now, (of, at < REHEARSED_MAX));
+        listed.verdicts = remarks.iter().map(verdict_code).collect();
+        let reason = |remark: Option<AnswerRemark>| remark.map(|of| fitting(of.why)).unwrap_or_default();
+        listed.verdict_reasons = remarks.into_iter().map(reason).collect();
     }
     message.alarms = listed(alarms.into_iter());
     let name = |id| table.handling().resource(id).map(|resource| resource.name.to_string()).unwrap_or_default();
@@ -82,28 +88,35 @@ pub fn describe(
         listed(open.into_iter().chain(over.into_iter().rev()).map(|order| ordered(production, order, now)));
 }
 
-/// The meanings of the answers to an alarm; where it is rehearsed, with what sensors say of each now.
-fn meanings(
+/// What sensors say now of each answer to an alarm; nothing where it is not rehearsed.
+fn remarks(
     line: &Line,
     coordination: &Coordination,
     reports: &NewestReports,
     now: Tick,
     (alarm, is_rehearsed): (&Alarm, bool),
-) -> Vec<String> {
+) -> Vec<Option<AnswerRemark>> {
     let state = coordination.state();
     // A station that is not heard any more may have been moved since.
     let is_fresh = |at: Tick| now < at + state.table().repeat_interval();
     let fresh = reports.iter().filter(|(_, (at, _))| is_fresh(*at));
     let fresh: Vec<(StationId, &TaskReport)> = fresh.map(|(&id, (_, report))| (id, report)).collect();
-    let all = alarm.words.iter().zip(texts::alarm::meanings(coordination, alarm));
-    let judged = all.map(|(word, meaning)| match is_rehearsed {
-        true => {
-            let verdict = coordination.rehearsed(now, alarm.id, word, &fresh);
-            fitting(texts::judged(line, state, alarm.id, meaning, &verdict))
-        }
-        false => meaning,
-    });
-    judged.collect()
+    let remark = |word: &String| {
+        let verdict = is_rehearsed.then(|| coordination.rehearsed(now, alarm.id, word, &fresh))?;
+        AnswerRemark::of(line, state, alarm.id, &verdict)
+    };
+    alarm.words.iter().map(remark).collect()
+}
+
+fn verdict_code(remark: &Option<AnswerRemark>) -> u8 {
+    match remark.as_ref().map(|remark| remark.fit) {
+        None => AlarmState::VERDICT_NONE,
+        Some(AnswerFit::Fits) => AlarmState::VERDICT_FITS,
+        Some(AnswerFit::Contradicts) => AlarmState::VERDICT_CONTRADICTS,
+        Some(AnswerFit::Refused) => AlarmState::VERDICT_REFUSED,
+        Some(AnswerFit::NotMeasured) => AlarmState::VERDICT_NOT_MEASURED,
+        Some(AnswerFit::NotKnown) => AlarmState::VERDICT_NOT_KNOWN,
+    }
 }
 
 fn count(of: usize) -> u32 {

@@ -7,7 +7,7 @@
 
 use linewright_line::{Arrow, Line, StationId};
 
-use super::separated::{missing_arrows, written};
+use super::separated::{meant_arrows, missing_arrows, written};
 
 /// Stations that may run ahead of others without limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,6 +39,11 @@ pub fn run_ahead(line: &Line) -> Vec<RunAhead> {
             }
         }
     }
+    // An arrow that is the wrong way round is reported with the conflict that it does not keep apart.
+    let meant = if pairs.is_empty() { Vec::new() } else { meant_arrows(line) };
+    pairs.retain(|(ahead, behind, _)| {
+        !meant.iter().any(|arrow| behind.contains(&arrow.from.0) && ahead.contains(&arrow.to.0))
+    });
     let more = pairs.len().saturating_sub(PAIRS_MAX);
     pairs.truncate(PAIRS_MAX);
     let last = pairs.len().saturating_sub(1);

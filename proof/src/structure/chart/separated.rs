@@ -157,8 +157,16 @@ impl<'a> Lags<'a> {
         Some(Arrow { from, to, lag, auto: true, manual: true })
     }
 
-    fn gaps(&mut self, Conflict { a, b, .. }: &Conflict, waits: ConsideredWaits) -> Result<(), String> {
-        let line = self.chart.line;
+    fn is_separated(&mut self, Conflict { a, b, .. }: &Conflict, waits: ConsideredWaits) -> bool {
+        let mut lag = |before: &StateSpan, after: &StateSpan| {
+            self.least((before.station, before.until), (after.station, after.from), waits)
+        };
+        let sum = lag(a, b).zip(lag(b, a)).map(|(there, back)| there + back + crosses(a) + crosses(b));
+        sum.is_some_and(|sum| sum <= SUM_MAX)
+    }
+
+    fn gaps(&mut self, conflict: &Conflict, waits: ConsideredWaits) -> Result<(), String> {
+        let (line, Conflict { a, b, .. }) = (self.chart.line, conflict);
         let advice = match self.missing(a, b, waits) {
             Some(arrow) => format!("; an arrow {} in both modes does", written(line, &arrow)),
             None => String::new(),
@@ -166,19 +174,20 @@ impl<'a> Lags<'a> {
         let mut lag = |before: &StateSpan, after: &StateSpan| {
             let (from, to) = ((before.station, before.until), (after.station, after.from));
             self.least(from, to, waits).ok_or_else(|| {
-                let is_swapped = line.arrows.iter().any(|arrow| arrow.from == to && arrow.to == from);
                 let late = arrows_between(line, from.0, to.0, |arrow| arrow.from.0 == from.0 && arrow.lag > SUM_MAX);
+                let swapped = swapped(line, conflict, waits);
                 let (from, to) = (full_name(line, from), full_name(line, to));
-                match late {
-                    Some(late) => format!(
+                match (late, swapped) {
+                    (Some(late), _) => format!(
                         "an arrow makes `{to}` wait for an end of `{from}` that is too many cycles back: {late}; a lag \
                          of {SUM_MAX} is the most that keeps the two apart"
                     ),
-                    None if is_swapped => format!(
-                        "nothing in both modes makes `{to}` wait for `{from}`; the arrow from `{to}` to `{from}` may be the \
-                         wrong way round"
+                    (None, Some(arrow)) => format!(
+                        "nothing in both modes makes `{to}` wait for `{from}`; the arrow from `{}` to `{}` may be the wrong way round",
+                        full_name(line, arrow.from),
+                        full_name(line, arrow.to)
                     ),
-                    None => format!("nothing in both modes makes `{to}` wait for `{from}`{advice}"),
+                    (None, None) => format!("nothing in both modes makes `{to}` wait for `{from}`{advice}"),
                 }
             })
         };
@@ -243,6 +252,30 @@ pub(super) fn missing_arrows(line: &Line) -> Vec<Arrow> {
     let mut lags = Lags::of(line);
     let open = line.conflicts.iter().filter(|of| lags.gaps(of, ConsideredWaits::Guarded).is_err()).collect::<Vec<_>>();
     open.into_iter().filter_map(|of| lags.missing(&of.a, &of.b, ConsideredWaits::Guarded)).collect()
+}
+
+/// The arrow that separates a conflict when it is turned round, as it is written.
+fn swapped(line: &Line, conflict: &Conflict, waits: ConsideredWaits) -> Option<Arrow> {
+    let stations = [conflict.a.station, conflict.b.station];
+    let joins = |arrow: &Arrow| [arrow.from.0, arrow.to.0].iter().all(|station| stations.contains(station));
+    let at = (0..line.arrows.len()).filter(|&at| joins(&line.arrows[at])).find(|&at| {
+        let mut turned = line.clone();
+        turned.arrows[at] = round(line.arrows[at]);
+        Lags::of(&turned).is_separated(conflict, waits)
+    })?;
+    Some(line.arrows[at])
+}
+
+fn round(arrow: Arrow) -> Arrow {
+    Arrow { from: arrow.to, to: arrow.from, ..arrow }
+}
+
+/// The arrows that are reported as the wrong way round, as they are meant.
+pub(super) fn meant_arrows(line: &Line) -> Vec<Arrow> {
+    let mut lags = Lags::of(line);
+    let open: Vec<_> =
+        line.conflicts.iter().filter(|of| !lags.is_separated(of, ConsideredWaits::InEveryMode)).collect();
+    open.into_iter().filter_map(|of| swapped(line, of, ConsideredWaits::InEveryMode)).map(round).collect()
 }
 
 /// Whether the two states of a conflict exclude each other in forward motion, in every mode and across changes of mode.

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use linewright_line::Line;
+use linewright_line::{Line, Operation, OperationModule, Station};
 use linewright_text::{LocatedName, Problem, Report, suggestion};
 
 use crate::parse::draft::{DraftCell, DraftResource};
@@ -49,6 +49,13 @@ pub(super) fn presence_is_an_input(draft: &DraftCell<'_>, resource: &DraftResour
     };
     let Some(id) = line.station_named(&station.value) else { return };
     let inputs = &line.station(id).inputs;
+    if let Some(operation) = limited_by(line.station(id), &presence.value) {
+        report.add(
+            Problem::warning(presence.at.clone(), format!("`{}` is the limit switch of `{operation}`", presence.value))
+                .label("shows where an axis stands, and no part")
+                .hint("name the input of a sensor that is on while a part is there, or leave `presence` out"),
+        );
+    }
     if !inputs.contains(&presence.value) {
         report.add(
             Problem::error(
@@ -58,6 +65,18 @@ pub(super) fn presence_is_an_input(draft: &DraftCell<'_>, resource: &DraftResour
             .maybe_hint(suggestion(&presence.value, inputs.iter().map(String::as_str))),
         );
     }
+}
+
+/// The operation that an input completes, on or back.
+fn limited_by<'l>(station: &'l Station, input: &str) -> Option<&'l str> {
+    let is_limit = |operation: &&Operation| {
+        let recovery = match &operation.module {
+            OperationModule::Reversible { recovery, .. } => Some(recovery.complete),
+            OperationModule::Irreversible { .. } => None,
+        };
+        std::iter::once(operation.normal.complete).chain(recovery).any(|of| station.inputs[of.index()] == input)
+    };
+    station.operations.iter().find(is_limit).map(|operation| operation.name.as_str())
 }
 
 pub(super) fn stations_belong_to_one(draft: &DraftCell<'_>, report: &mut Report) {

@@ -67,7 +67,7 @@ pub(super) fn arrows_hold_at_home(draft: &DraftLine<'_>, report: &mut Report) {
                 Problem::error(from.at.clone(), format!("at home `{to_name}` is done, but `{from_name}` is not"))
                     .label("not done in the cycle that begins at home")
                     .also(&to.at, "done at home")
-                    .hint("the arrow may be meant with lag = 1, or the home operation be another"),
+                    .hint("the arrow may be the wrong way round, or be meant with lag = 1, or the home operation be another"),
             );
         }
     }

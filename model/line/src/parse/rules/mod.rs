@@ -59,6 +59,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
         for operation in &station.operations {
             operations::motion_goes_somewhere(operation, report);
             operations::watchdog_outlasts_duration(station, operation, report);
+            operations::watchdog_is_in_seconds(station, operation, report);
             operations::module_has_its_recovery(station, operation, report);
             operations::duration_is_in_seconds(operation, report);
         }

@@ -41,6 +41,35 @@ pub(super) fn duration_is_in_seconds(operation: &DraftOperation<'_>, report: &mu
     }
 }
 
+/// A watchdog that is so many times the motion, and so long, is in another unit: a mechanism that stands would be driven all that time.
+const FAR_TOO_LONG: u32 = 100;
+const LONG_WATCHDOG: Duration = Duration::from_secs(60);
+
+/// An index homes its drive within its watchdog, and may look for the reference all the way round.
+pub(super) fn watchdog_is_in_seconds(station: &DraftStation<'_>, operation: &DraftOperation<'_>, report: &mut Report) {
+    if operation.by().is_some() {
+        return;
+    }
+    for (what, duration, watchdog) in watched(station, operation) {
+        if watchdog.value < LONG_WATCHDOG || watchdog.value < duration.value.saturating_mul(FAR_TOO_LONG) {
+            continue;
+        }
+        let (limit, takes) = (watchdog.value.as_secs_f64(), duration.value.as_secs_f64());
+        report.add(
+            Problem::warning(
+                watchdog.at.clone(),
+                format!("the watchdog of {what} is {limit} s, but it takes {takes} s"),
+            )
+            .label("in seconds")
+            .also(&duration.at, "takes this long")
+            .hint(format!(
+                "a mechanism that stands is driven until the watchdog ends; twice as long as the motion is usual: {}",
+                takes * 2.0
+            )),
+        );
+    }
+}
+
 /// A recovery that another operation's normal motion is, by the same output from one end to the other, takes as long.
 pub(super) fn one_motion_takes_one_time(station: &DraftStation<'_>, report: &mut Report) {
     for operation in &station.operations {
@@ -84,22 +113,28 @@ pub(super) fn watchdog_outlasts_duration(
     operation: &DraftOperation<'_>,
     report: &mut Report,
 ) {
-    let raw = operation.raw;
-    let what = format!("`{}`", operation.name);
-    if let (Some(duration), Some(watchdog)) = (&raw.duration, &raw.watchdog) {
+    for (what, duration, watchdog) in watched(station, operation) {
         outlasts(&what, duration, watchdog, report);
     }
-    let Some(recovery) = &raw.recovery else { return };
-    if recovery.duration.is_none() && recovery.watchdog.is_none() {
-        return;
-    }
-    // Values not given are those of the same motion, or of the operation's own.
-    let same = same_motion(station, operation).map_or(raw, |other| other.raw);
-    let duration = recovery.duration.as_ref().or(same.duration.as_ref());
-    let watchdog = recovery.watchdog.as_ref().or(same.watchdog.as_ref());
-    if let (Some(duration), Some(watchdog)) = (duration, watchdog) {
-        outlasts(&format!("the recovery of {what}"), duration, watchdog, report);
-    }
+}
+
+/// A motion's name, its time and its watchdog.
+type Watched<'a> = (String, &'a Located<Duration>, &'a Located<Duration>);
+
+/// The motions of an operation whose times are written.
+fn watched<'a>(station: &DraftStation<'a>, operation: &DraftOperation<'a>) -> Vec<Watched<'a>> {
+    let raw = operation.raw;
+    let what = format!("`{}`", operation.name);
+    let recovery = raw.recovery.as_ref().filter(|of| of.duration.is_some() || of.watchdog.is_some());
+    let recovery = recovery.and_then(|recovery| {
+        // Values not given are those of the same motion, or of the operation's own.
+        let same = same_motion(station, operation).map_or(raw, |other| other.raw);
+        let duration = recovery.duration.as_ref().or(same.duration.as_ref())?;
+        Some((format!("the recovery of {what}"), duration, recovery.watchdog.as_ref().or(same.watchdog.as_ref())?))
+    });
+    let normal =
+        raw.duration.as_ref().zip(raw.watchdog.as_ref()).map(|(duration, watchdog)| (what, duration, watchdog));
+    normal.into_iter().chain(recovery).collect()
 }
 
 fn outlasts(what: &str, duration: &Located<Duration>, watchdog: &Located<Duration>, report: &mut Report) {

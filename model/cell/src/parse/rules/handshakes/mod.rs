@@ -3,8 +3,11 @@
 //!
 //! The tasks are played in every order of events: an operation starts where its `waits` may all be on, and ends some time
 //! later. Whatever the description does not fix may be so: inputs without a `[[sensor]]`, stations without an order in the
-//! activity, parts in nests; there is a part in a hand whenever it is closed. So only what certainly never completes is
-//! reported. Where another input of the same axis completes it, two inputs have been taken for each other.
+//! activity, parts in nests; there is a part in a hand whenever it is closed. A sensor is on while an axis passes it. So only what no
+//! order of events completes is reported, as an error. Where another input of the same axis completes it, two inputs have been
+//! taken for each other.
+
+mod transfers;
 
 use std::collections::BTreeSet;
 
@@ -25,14 +28,22 @@ pub(super) fn activities_can_complete(draft: &DraftCell<'_>, report: &mut Report
     for activity in &draft.activities {
         let Some(handshake) = Handshake::of(line, activity) else { continue };
         let mut left = STATES_MAX;
-        if let Course::Stuck(waiting) = handshake.course(None, &mut left) {
-            let problem = match handshake.mistaken(&mut left) {
-                Some(mistaken) => handshake.taken_for_each_other(&activity.name, &mistaken),
-                None => handshake.waiting_for_ever(&activity.name, &waiting),
-            };
-            problem.into_iter().for_each(|problem| report.add(problem));
-        }
+        let problems = match handshake.course(None, SwitchEdge::Sharp, &mut left) {
+            Course::Stuck(waiting) => handshake.stuck(&activity.name, &waiting, &mut left).into_iter().collect(),
+            Course::Completes => handshake.unordered_transfers(&mut left),
+            Course::Undecided => Vec::new(),
+        };
+        problems.into_iter().for_each(|problem| report.add(problem));
     }
+}
+
+/// When a switch goes off that an axis leaves, and on at which it arrives.
+#[derive(Clone, Copy)]
+enum SwitchEdge {
+    /// With the beginning and the end of the motion.
+    Sharp,
+    /// At any moment of the motion. Another one that begins at the same moment finds it as it was.
+    Late,
 }
 
 /// The orders of an activity, each with where its station stands from step to step.
@@ -92,6 +103,21 @@ impl<'d, 'a> Player<'d, 'a> {
     fn has_ended(&self, progress: usize) -> bool {
         progress + 1 == self.places.len()
     }
+
+    /// Whether a switch at a stand of this station may be on.
+    fn may_stand(&self, progress: usize, stand: &Stand, edge: SwitchEdge) -> bool {
+        if let Some(at) = self.places[progress][stand.axis.index()] {
+            return same_place(at, stand.at);
+        }
+        let motion = self.operations[progress / 2].motion;
+        let is_end = same_place(motion.from, stand.at) || same_place(motion.to, stand.at);
+        let is_passed = (motion.from - stand.at) * (motion.to - stand.at) < 0.0;
+        let turns = self.station.axes[stand.axis.index()].index.is_some();
+        match edge {
+            SwitchEdge::Sharp => (is_passed && !is_end) || turns,
+            SwitchEdge::Late => is_passed || is_end || turns,
+        }
+    }
 }
 
 impl<'d, 'a> Handshake<'d, 'a> {
@@ -102,40 +128,36 @@ impl<'d, 'a> Handshake<'d, 'a> {
         (stations.len() == players.len()).then_some(Handshake { line, players })
     }
 
-    /// Plays the orders; takes the states from those that are left.
-    fn course(&self, instead: Option<Mistaken>, left: &mut usize) -> Course {
-        let first: State = vec![0; self.players.len()];
-        let mut known = BTreeSet::from([first.clone()]);
-        let mut open = vec![first];
-        let mut stuck = None;
-        while let Some(state) = open.pop() {
-            let next = self.next(&state, instead);
-            if next.is_empty() {
-                let ended = self.players.iter().zip(&state).all(|(player, progress)| player.has_ended(*progress));
-                if ended {
-                    return Course::Completes;
-                }
-                stuck = Some(state);
-                continue;
-            }
-            let before = known.len();
-            open.extend(next.into_iter().filter(|state| known.insert(state.clone())));
-            match left.checked_sub(known.len() - before) {
-                Some(rest) => *left = rest,
-                None => return Course::Undecided,
-            }
+    fn course(&self, instead: Option<Mistaken>, edge: SwitchEdge, left: &mut usize) -> Course {
+        let Some(states) = self.states(instead, edge, left) else { return Course::Undecided };
+        let has_ended =
+            |state: &State| self.players.iter().zip(state).all(|(player, progress)| player.has_ended(*progress));
+        if states.iter().any(has_ended) {
+            return Course::Completes;
         }
+        let stuck = states.into_iter().rfind(|state| self.next(state, instead, edge).is_empty());
         stuck.map_or(Course::Undecided, Course::Stuck)
     }
 
+    /// Plays the orders: every state that is reached. Takes them from those that are left; none where they are too many.
+    fn states(&self, instead: Option<Mistaken>, edge: SwitchEdge, left: &mut usize) -> Option<Vec<State>> {
+        let first: State = vec![0; self.players.len()];
+        let mut known = BTreeSet::from([first.clone()]);
+        let (mut open, mut reached) = (vec![first], Vec::new());
+        while let Some(state) = open.pop() {
+            let before = known.len();
+            open.extend(self.next(&state, instead, edge).into_iter().filter(|state| known.insert(state.clone())));
+            *left = left.checked_sub(known.len() - before)?;
+            reached.push(state);
+        }
+        Some(reached)
+    }
+
     /// The states after one event: an operation that starts, or ends.
-    fn next(&self, state: &State, instead: Option<Mistaken>) -> Vec<State> {
+    fn next(&self, state: &State, instead: Option<Mistaken>, edge: SwitchEdge) -> Vec<State> {
         let goes_on = |at: usize| {
-            let (player, progress) = (&self.players[at], state[at]);
-            let is_moving = progress % 2 == 1;
-            !player.has_ended(progress)
-                && (is_moving
-                    || self.awaited(at, progress / 2, instead).all(|input| self.may_be_on(state, player.id, input)))
+            let is_moving = state[at] % 2 == 1;
+            !self.players[at].has_ended(state[at]) && (is_moving || self.may_start(state, at, instead, edge))
         };
         let after = |at: usize| {
             let mut state = state.clone();
@@ -145,6 +167,12 @@ impl<'d, 'a> Handshake<'d, 'a> {
         (0..state.len()).filter(|&at| goes_on(at)).map(after).collect()
     }
 
+    /// Whether the next operation of a player may start: what it waits for may be on.
+    fn may_start(&self, state: &State, at: usize, instead: Option<Mistaken>, edge: SwitchEdge) -> bool {
+        let id = self.players[at].id;
+        self.awaited(at, state[at] / 2, instead).all(|input| self.may_be_on(state, id, input, edge))
+    }
+
     /// What an operation waits for, with another input instead of a mistaken one.
     fn awaited(&self, player: usize, operation: usize, instead: Option<Mistaken>) -> impl Iterator<Item = InputId> {
         let change = instead.filter(|change| (change.player, change.operation) == (player, operation));
@@ -152,17 +180,16 @@ impl<'d, 'a> Handshake<'d, 'a> {
         waits.map(move |input| change.filter(|change| change.input == *input).map_or(*input, |change| change.instead))
     }
 
-    fn may_be_on(&self, state: &State, station: StationId, input: InputId) -> bool {
+    fn may_be_on(&self, state: &State, station: StationId, input: InputId, edge: SwitchEdge) -> bool {
         let mut sensors = self.sensors(station, input).peekable();
-        sensors.peek().is_none() || sensors.any(|sensor| sensor.when.iter().all(|sign| self.may_be_so(state, sign)))
+        let is_seen = |sensor: &Sensor| sensor.when.iter().all(|sign| self.may_be_so(state, sign, edge));
+        sensors.peek().is_none() || sensors.any(is_seen)
     }
 
-    fn may_be_so(&self, state: &State, sign: &Sign) -> bool {
+    fn may_be_so(&self, state: &State, sign: &Sign, edge: SwitchEdge) -> bool {
         let Some(stand) = self.stand_of(sign) else { return true };
         let mut players = self.players.iter().zip(state).filter(|(player, _)| player.id == stand.station);
-        players.all(|(player, progress)| {
-            player.places[*progress][stand.axis.index()].is_some_and(|at| same_place(at, stand.at))
-        })
+        players.all(|(player, progress)| player.may_stand(*progress, &stand, edge))
     }
 
     /// Where an axis stands if a sign is so; none of a part in a nest.
@@ -185,7 +212,7 @@ impl<'d, 'a> Handshake<'d, 'a> {
     fn mistaken(&self, left: &mut usize) -> Option<Mistaken> {
         let operations = |at: usize| (0..self.players[at].operations.len()).map(move |nth| (at, nth));
         let mut all = (0..self.players.len()).flat_map(operations).flat_map(|(at, nth)| self.changes(at, nth));
-        all.find(|change| matches!(self.course(Some(*change), left), Course::Completes))
+        all.find(|change| matches!(self.course(Some(*change), SwitchEdge::Sharp, left), Course::Completes))
     }
 
     /// The inputs that an operation waits for, each with each of its opposites.
@@ -233,12 +260,24 @@ impl<'d, 'a> Handshake<'d, 'a> {
         found.into_iter().map(|sensor| sensor.input)
     }
 
-    fn taken_for_each_other(&self, activity: &str, mistaken: &Mistaken) -> Option<Problem> {
+    /// The problem of an activity that no order of events completes.
+    fn stuck(&self, activity: &str, waiting: &State, left: &mut usize) -> Option<Problem> {
+        let is_never = matches!(self.course(None, SwitchEdge::Late, left), Course::Stuck(_));
+        let what =
+            if is_never { "never completes" } else { "completes only where two motions begin at the same moment" };
+        let what = format!("`{activity}` {what}");
+        match self.mistaken(left) {
+            Some(mistaken) => self.taken_for_each_other(&what, &mistaken),
+            None => self.waiting_for_ever(&what, waiting),
+        }
+    }
+
+    fn taken_for_each_other(&self, what: &str, mistaken: &Mistaken) -> Option<Problem> {
         let player = &self.players[mistaken.player];
         let (operation, station) = (&player.operations[mistaken.operation].name, &player.station.name);
         let name = |input: InputId| &player.station.inputs[input.index()];
         let message = format!(
-            "`{activity}` never completes: `{operation}` of `{station}` waits for `{}`, which is on while {}",
+            "{what}: `{operation}` of `{station}` waits for `{}`, which is on while {}",
             name(mistaken.input),
             self.shown(player.id, mistaken.input)
         );
@@ -249,33 +288,35 @@ impl<'d, 'a> Handshake<'d, 'a> {
             self.shown(player.id, mistaken.instead)
         );
         let task = player.order.raw.task.as_ref()?;
-        Some(Problem::warning(task.at.clone(), message).label("waits for the opposite").hint(hint))
+        Some(Problem::error(task.at.clone(), message).label("waits for the opposite").hint(hint))
     }
 
-    fn waiting_for_ever(&self, activity: &str, state: &State) -> Option<Problem> {
+    fn waiting_for_ever(&self, what: &str, state: &State) -> Option<Problem> {
         let waiting = |at: usize| {
             let (player, progress) = (&self.players[at], state[at]);
             let operation = player.operations.get(progress / 2)?;
-            let mut off =
-                self.awaited(at, progress / 2, None).filter(|input| !self.may_be_on(state, player.id, *input));
+            let mut off = self
+                .awaited(at, progress / 2, None)
+                .filter(|input| !self.may_be_on(state, player.id, *input, SwitchEdge::Sharp));
             let input = off.next()?;
             let mut signs = self.sensors(player.id, input).flat_map(|sensor| &sensor.when);
             let unlike = signs.find_map(|sign| self.unlike(state, sign)).unwrap_or_default();
-            let (station, name, what) = (&player.station.name, &operation.name, &player.station.inputs[input.index()]);
+            let (station, name, awaited) =
+                (&player.station.name, &operation.name, &player.station.inputs[input.index()]);
             let shown = self.shown(player.id, input);
-            Some(format!("`{name}` of `{station}` waits for `{what}`, which is on while {shown}{unlike}"))
+            Some(format!("`{name}` of `{station}` waits for `{awaited}`, which is on while {shown}{unlike}"))
         };
         let all: Vec<String> = (0..state.len()).filter_map(waiting).collect();
         let order = self.players.iter().zip(state).find(|(player, progress)| !player.has_ended(**progress))?.0.order;
-        let message = format!("`{activity}` never completes: {}", all.join(", and "));
+        let message = format!("{what}: {}", all.join(", and "));
         let hint = "by what the `[[sensor]]`s show nothing goes on then: look at `waits` of the operations, and at `when` of the \
                     inputs, in the line's description";
-        Some(Problem::warning(order.raw.task.as_ref()?.at.clone(), message).label("waits for ever").hint(hint))
+        Some(Problem::error(order.raw.task.as_ref()?.at.clone(), message).label("waits for ever").hint(hint))
     }
 
     /// Where the axis of a sign stands instead, e.g. `: it stands at 60 (closed)`.
     fn unlike(&self, state: &State, sign: &Sign) -> Option<String> {
-        let stand = self.stand_of(sign).filter(|_| !self.may_be_so(state, sign))?;
+        let stand = self.stand_of(sign).filter(|_| !self.may_be_so(state, sign, SwitchEdge::Sharp))?;
         let (player, progress) = self.players.iter().zip(state).find(|(player, _)| player.id == stand.station)?;
         let at = player.places[*progress][stand.axis.index()]?;
         let axis = &player.station.axes[stand.axis.index()].name;
