@@ -26,7 +26,6 @@ mod deliver;
 mod devices;
 mod disk;
 mod faults;
-mod floor_operator;
 mod floors;
 mod lines;
 mod message;

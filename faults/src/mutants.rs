@@ -76,13 +76,13 @@ mutants! {
     OutputsKeptAtLoss, Some(63), "devices keep their outputs when their manager falls silent";
     OutputsKeptAtRestart, Some(90), "devices take up their former outputs after a restart";
     // The decision of modes.
-    AutoAwayFromHome, Some(154), "every station counts as at home";
+    AutoAwayFromHome, Some(8), "every station counts as at home";
     LostPositionUnheard, Some(20), "no position counts as lost";
     IncompleteUnheard, Some(6), "no operation counts as stopped before its end";
     DevicesUnheard, Some(215), "devices count as received";
     MotionUnheard, Some(9), "every station counts as standing";
     GenerationsUnheard, Some(3), "every station counts as having the same generation";
-    AcknowledgedUnheard, Some(15), "every order counts as acknowledged";
+    AcknowledgedUnheard, Some(34), "every order counts as acknowledged";
     StationStopUnheard, Some(16), "an emergency stop that a station has is not adopted";
     RestartUnheard, Some(0), "a station that was restarted counts as the same";
     ResetNotNeeded, Some(9), "manual ends an emergency stop that was not reset";
@@ -105,8 +105,8 @@ mutants! {
     PositionsOff, Some(3), "the barrier of measured positions is off";
     BarriersOff, Some(0), "both barriers are off";
     EntryNotAsked, Some(76), "without a generation in common two stations start by measured positions on one report";
-    AgreementOff, Some(27), "counts are taken back without agreement";
-    WithdrawnLate, Some(11), "a count is taken back after the motion";
+    AgreementOff, Some(29), "counts are taken back without agreement";
+    WithdrawnLate, Some(3), "a count is taken back after the motion";
     NumbersNotFresh, Some(1120), "all requests have the same number";
     RoundNotRedone, Some(11), "a recovery path leaves the counts of its round as they are";
     HomeDoesNotWait, Some(297), "a recovery path begins whatever the neighbours do";

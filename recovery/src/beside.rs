@@ -79,11 +79,12 @@ fn before_manual(
     let is_stopped = situation.alarms.iter().any(|alarm| alarm.reset.contains(&id));
     let mut actions: Vec<RecoveryAction> =
         is_stopped.then_some(RecoveryAction::First(Need::Reset(id))).into_iter().collect();
+    // Before a person goes to the mechanism: the others move, as this step says.
+    actions.push(RecoveryAction::ManualAlone(id));
     for input in fault_signals(line.station(id), report) {
         actions.push(RecoveryAction::First(Need::FaultSignal(id, input)));
         report.measured &= !input.bit();
     }
-    actions.push(RecoveryAction::ManualAlone(id));
     actions.into_iter().map(in_auto).collect()
 }
 

@@ -13,7 +13,7 @@ use crate::desk::Desk;
 use crate::ends::{CommonEnds, LedActivity};
 use crate::first::{before_all, fault_signals, held, planned};
 use crate::image;
-use crate::restore::{RestoreMisfit, unit, unplaced};
+use crate::restore::{RestoreMisfit, is_unknown, unit, unplaced};
 use crate::search::{Move, Search};
 use crate::situation::{LineSituation, StandingAlarm};
 use crate::step::{Need, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
@@ -82,7 +82,13 @@ impl RecoveryPlan {
 
 /// The shortest list of actions from a situation to auto. As long as a failed activity has no alarm, what follows is not known.
 pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
-    let mut found = planned_now(line, situation);
+    let (asked, alone) = (situation.asked_to_lead(line), situation.without_journal(line));
+    let both = line.station_ids().filter(|id| asked.contains(id) || alone.contains(id)).collect();
+    let mut found = planned_now(line, situation, both);
+    if matches!(found.end, RecoveryEnd::NoWay { .. }) && !alone.is_empty() {
+        found = planned_now(line, situation, asked);
+    }
+    until_confirmed(line, situation, &mut found);
     let is_away = |id: &StationId| {
         let report = situation.stations.get(id.index()).and_then(Option::as_ref);
         report.is_some_and(|report| !report.stopped || !report.at_home)
@@ -102,12 +108,31 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     found
 }
 
-fn planned_now(line: &Line, situation: &LineSituation) -> RecoveryPlan {
+/// A task-driven station without its journal is in a task that is known when a person has confirmed where it stands: what follows is not
+/// known before, nor to which end of its activity it is led.
+fn until_confirmed(line: &Line, situation: &LineSituation, found: &mut RecoveryPlan) {
+    let is_open = |station: StationId| {
+        let report = situation.stations.get(station.index()).and_then(Option::as_ref);
+        line.station(station).is_task_driven() && report.is_some_and(|report| is_unknown(line.station(station), report))
+    };
+    let confirms =
+        |step: &RecoveryStep| matches!(step.action, RecoveryAction::Rejoin { station, .. } if is_open(station));
+    if let Some(last) = found.steps.iter().rposition(confirms) {
+        let is_all = found.steps.len() == last + 1;
+        found.steps.truncate(last + 1);
+        if !is_all {
+            found.end = RecoveryEnd::LookAgain;
+            found.led.clear();
+        }
+    }
+}
+
+/// `led`: the stations that are led to a rest though the mode does not depend on them.
+fn planned_now(line: &Line, situation: &LineSituation, led: Vec<StationId>) -> RecoveryPlan {
     if let Some(station) = situation.misfit {
         return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Misfit(RestoreMisfit(station)));
     }
     let is_in_auto = situation.mode == ControlMode::Auto && situation.enabled;
-    let led = situation.to_be_led(line);
     if is_in_auto && situation.alarms.is_empty() && led.is_empty() {
         return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Auto);
     }

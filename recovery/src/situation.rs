@@ -7,6 +7,7 @@ use linewright_line::{InputId, Line, OpId, RestId, StationId};
 use linewright_station_logic::{StationReport, StopCause};
 
 use crate::first::fault_signals;
+use crate::restore::is_unknown;
 
 /// State of the console's devices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -146,18 +147,30 @@ impl LineSituation {
         line.station_ids().filter(is_off).collect()
     }
 
-    /// The stations that alarms ask to be led to a rest by hand and that are not there; and those that are left out and stand away
-    /// from a rest, of which no alarm asks: without an activity none is raised, and nothing begins at them.
-    pub(crate) fn to_be_led(&self, line: &Line) -> Vec<StationId> {
+    /// The stations that alarms ask to be led to a rest by hand and that are not there.
+    pub(crate) fn asked_to_lead(&self, line: &Line) -> Vec<StationId> {
         let asks = |id: &StationId| self.alarms.iter().any(|alarm| alarm.lead.contains(id));
-        let goes_on = |id: &StationId| self.alarms.iter().any(|alarm| alarm.at_order.contains(id));
-        let is_to_be = |id: &StationId| {
-            let Some(report) = self.stations.get(id.index()).and_then(Option::as_ref) else { return false };
-            let is_away = !report.at_home || !report.incomplete.is_empty() || report.position_lost.is_some();
-            let is_by_itself = self.left_out.contains(id) && self.unsettled.is_empty() && !goes_on(id);
-            is_away && (asks(id) || (is_by_itself && report.stopped))
-        };
+        let is_away =
+            |report: &StationReport| !report.at_home || !report.incomplete.is_empty() || report.position_lost.is_some();
+        let is_to_be = |id: &StationId| asks(id) && self.report(*id).is_some_and(is_away);
         line.station_ids().filter(is_to_be).collect()
+    }
+
+    /// The stations that are left out since they were started without their journal, of which no alarm asks: without an activity none is
+    /// raised, and nothing begins at them. Others that are left out and stand away from a rest may work, or be in repair.
+    pub(crate) fn without_journal(&self, line: &Line) -> Vec<StationId> {
+        let asks =
+            |id: &StationId| self.alarms.iter().any(|alarm| alarm.lead.contains(id) || alarm.at_order.contains(id));
+        let is_lost = |id: &StationId| {
+            let report = self.report(*id).filter(|report| report.stopped);
+            report.is_some_and(|report| is_unknown(line.station(*id), report))
+        };
+        let is_alone = |id: &StationId| self.left_out.contains(id) && !asks(id) && is_lost(id);
+        line.station_ids().filter(|id| self.unsettled.is_empty() && is_alone(id)).collect()
+    }
+
+    fn report(&self, id: StationId) -> Option<&StationReport> {
+        self.stations.get(id.index())?.as_ref()
     }
 }
 

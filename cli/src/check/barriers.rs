@@ -168,7 +168,12 @@ impl Barriers {
                 let inputs = side.inputs.join(" and ");
                 return format!("orders, and one way measured positions ({inputs} of {}): {why}", side.station);
             }
-            (whys, _) => return format!("one barrier, {first}: {}", whys.join("; ")),
+            (whys, _) if self.is_of_tasks => return format!("one barrier, {first}: {}", whys.join("; ")),
+            (whys, _) => {
+                let lost =
+                    "after the loss of a journal panels may lead nowhere: the stations are brought home by hand then";
+                return format!("one barrier, {first}: {}; {lost}", whys.join("; "));
+            }
         }
         let sides: Vec<String> =
             self.measured.iter().map(|side| format!("{} of {}", side.inputs.join(" and "), side.station)).collect();

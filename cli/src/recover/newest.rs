@@ -93,8 +93,11 @@ fn situation_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<L
     let stations = line.station_ids().map(report).collect();
     let mut situation = LineSituation::read(line, mode, state.enabled, standing(line, state), stations);
     situation.misfit = client.other_station();
-    if let Some(cell) = cell.and_then(CellClient::heard_lately) {
-        (situation.alarms, situation.unsettled) = (alarms(line, cell), unsettled(cell));
+    match cell.map(CellClient::heard_lately) {
+        Some(Some(cell)) => (situation.alarms, situation.unsettled) = (alarms(line, cell), unsettled(cell)),
+        // What has failed is not known, nor which of its stations belong together.
+        Some(None) => situation.unsettled = vec!["the state of the cell is not received".to_owned()],
+        None => {}
     }
     Some(situation)
 }

@@ -67,6 +67,11 @@ impl Coordination {
                 Some(AnswerVerdict::Taken { unseen: mode.map(unseen).unwrap_or_default() })
             }
             ExceptionStep::Up { resource, unchecked } if AlarmSubject::Resource(*resource) == about => {
+                // It is taken by the sensor as it was received last, however long ago.
+                let silent = self.silent(about, reports);
+                if !silent.is_empty() {
+                    return Some(AnswerVerdict::Open { silent });
+                }
                 let is_seen = self.presence(*resource) != Presence::NoSensor && !unchecked;
                 Some(AnswerVerdict::Taken { unseen: (!is_seen).then_some(*resource).into_iter().collect() })
             }
@@ -86,7 +91,13 @@ impl Coordination {
             Whereabouts::Carrier => handled.carrier,
             Whereabouts::Gone => None,
         };
-        let is_unseen = |id: &ResourceId| unchecked.contains(id) || !self.presence(*id).is_known();
+        // A carrier that another activity uses as well is not compared. Whether a part was worked on is seen by no sensor.
+        let is_seen = |id: ResourceId| match part {
+            Whereabouts::Carrier => self.presence(id) == Presence::On,
+            Whereabouts::From | Whereabouts::To => self.presence(id).is_known() && handled.from != handled.to,
+            Whereabouts::Gone => self.presence(id).is_known(),
+        };
+        let is_unseen = |id: &ResourceId| unchecked.contains(id) || !is_seen(*id);
         match holder {
             Some(id) => Some(id).filter(is_unseen).into_iter().collect(),
             None => handled.resources().filter(is_unseen).collect(),

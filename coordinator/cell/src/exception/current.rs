@@ -29,7 +29,10 @@ impl Coordination {
             AlarmSubject::Resource(resource) => {
                 let station = self.state().table().handling().resource(resource).and_then(|of| of.station);
                 let stopped = station.filter(|&station| self.state().exceptions().is_stopped(station));
-                StationsToLead { reset: stopped.into_iter().collect(), ..StationsToLead::default() }
+                // As where it was being brought to another rest, and hand mode has ended meanwhile.
+                let held = station.filter(|&station| self.held_stations().any(|id| id == station));
+                let (lead, reset) = (held.into_iter().collect(), stopped.into_iter().collect());
+                StationsToLead { lead, reset, ..StationsToLead::default() }
             }
         }
     }

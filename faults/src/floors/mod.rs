@@ -10,186 +10,32 @@
 //! the description by positions, parts that fall, are torn or brought where they cannot be. At the end: every part has left
 //! once, with each work of its plan done once, and none is left over.
 
+mod operator;
+mod plan;
+
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_cell::Cell;
-use linewright_cell::net::Supply;
-use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, dispatcher};
-use linewright_coordinator_cell::{CellTable, Dispatcher, FiringId, PartId, ProtocolRules};
-use linewright_coordinator_logic::ModeCommand;
+use linewright_coordinator_cell::compile::dispatcher;
+use linewright_coordinator_cell::{Dispatcher, FiringId, PartId, ProtocolRules};
 use linewright_coordinator_shell::orders::manual_permit;
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, CoordinatorShell, heard};
 use linewright_line::net::ControlMode;
 use linewright_line::{HolderId, Line, OpId, StationId, Tick};
-use linewright_plant::{MotionFault, Plant, PlantOptions};
+use linewright_plant::{PartFault, Plant};
 use linewright_simulation::cell::{CellSim, CellSimOptions, ShopFloor, nests};
 use linewright_simulation::{ConflictObserver, Rng};
 
-use linewright_station_logic::{OrderRules, PanelCommand};
+use linewright_station_logic::PanelCommand;
 
-const C1: [&str; 2] = [
-    include_str!("../../launch-config/lines/workcell-c1/cell.toml"),
-    include_str!("../../launch-config/lines/workcell-c1/line.toml"),
-];
-const ASSEMBLY: [&str; 2] = [
-    include_str!("../../launch-config/lines/assembly-cell/cell.toml"),
-    include_str!("../../launch-config/lines/assembly-cell/line.toml"),
-];
-const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
+pub use plan::{FLOOR_MUTANTS, FloorMutant};
+use plan::{FloorTrouble, FloorWork, PlannedTrouble};
+
 /// Between two looks of the coordinator.
 const PERIOD: Duration = Duration::from_millis(20);
 /// A production takes a tenth of that without faults.
 const LONG: Tick = Tick::from_millis(7_200_000);
-/// Faults begin before that.
-const FAULTS_UNTIL: u64 = 120_000_000;
-/// The operations by which a part is worked on, of the shipped cells.
-const WORK: [&str; 3] = ["cut", "assemble", "work on the part"];
-
-/// What goes wrong on the floor.
-#[derive(Clone, Copy, Debug)]
-enum FloorTrouble {
-    /// The station's process is killed, and starts again, with its journal or without.
-    Killed { forgets: bool },
-    /// Nothing is received from the station, and it receives no mode order.
-    Away,
-    /// An operation, done or undone.
-    Motion(OpId, MotionFault, bool),
-    /// A command that nobody needs.
-    Command(ModeCommand),
-    /// The station's panel, whatever the mode.
-    Press(bool),
-}
-
-/// With its time.
-#[derive(Clone, Copy, Debug)]
-struct PlannedTrouble {
-    at: Tick,
-    lasts: Duration,
-    station: StationId,
-    what: FloorTrouble,
-}
-
-impl PlannedTrouble {
-    /// Whether a part may fall: a grip fails, an axis leaves by itself where it has just been seen, or the slot that a part is on its way
-    /// to is forgotten.
-    const fn may_drop_a_part(&self) -> bool {
-        use FloorTrouble::{Killed, Motion};
-        matches!(
-            self.what,
-            Motion(_, MotionFault::Miss | MotionFault::Drop | MotionFault::SlipBack, _) | Killed { forgets: true }
-        )
-    }
-}
-
-/// A broken rule of the order protocol or of stations' orders.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FloorMutant {
-    /// The alarm is raised, and an answer taken, before the stations stand.
-    AskedWhileMoving,
-    /// A station is ordered back beside another one that is in a handshake, or has completed its order.
-    GoesBackBeside,
-    /// An order whose time is over has ended while the station still moves.
-    EndsMoving,
-    /// Every copy of the order to go back moves it.
-    GoesBackAgain,
-    /// Ordered to stop, a station goes back.
-    StopGoesBack,
-}
-
-/// Broken rules of orders, with the first seed that finds each.
-pub const FLOOR_MUTANTS: &[(FloorMutant, u64)] = &[
-    (FloorMutant::AskedWhileMoving, 253),
-    (FloorMutant::GoesBackBeside, 84),
-    (FloorMutant::EndsMoving, 121),
-    (FloorMutant::GoesBackAgain, 84),
-    (FloorMutant::StopGoesBack, 84),
-];
-
-impl FloorMutant {
-    fn rules(self) -> (ProtocolRules, OrderRules) {
-        let (mut protocol, mut orders) = (ProtocolRules::default(), OrderRules::default());
-        match self {
-            FloorMutant::AskedWhileMoving => protocol.stands_first = false,
-            FloorMutant::GoesBackBeside => protocol.goes_back_alone = false,
-            FloorMutant::EndsMoving => orders.ends_standing = false,
-            FloorMutant::GoesBackAgain => orders.secures_once = false,
-            FloorMutant::StopGoesBack => orders.stops_at_once = false,
-        }
-        (protocol, orders)
-    }
-}
-
-/// A shipped cell with its line, and a production of a few parts of each type.
-struct FloorWork {
-    cell: Cell,
-    line: Line,
-    table: Arc<CellTable>,
-    parts: u64,
-    /// Work on each part.
-    works: usize,
-}
-
-impl FloorWork {
-    fn of(is_assembly: bool) -> Option<Self> {
-        let ([cell, line], parts, works) =
-            if is_assembly { (ASSEMBLY, &[1, 1, 1][..], 1) } else { (C1, &[2, 1][..], 2) };
-        let line = linewright_line::parse("line.toml", line).ok()?.line;
-        let cell = linewright_cell::parse("cell.toml", cell, Some(&line)).ok()?.cell;
-        let table = Arc::new(compile_cell(&cell, Some(&line), Supply::Batch(parts), PACE).ok()?.table);
-        Some(FloorWork { cell, line, table, parts: parts.iter().map(|&count| u64::from(count)).sum(), works })
-    }
-
-    fn floor(&self, seed: u64) -> Option<ShopFloor> {
-        let options = PlantOptions { seed, variation: 0.1, people: false };
-        let nests = nests(&self.cell, &self.line);
-        let mut floor = ShopFloor::new(&self.line, &self.table, &nests, options).ok()?;
-        for id in self.line.station_ids() {
-            let station = self.line.station(id);
-            let own = |nest: &HolderId| {
-                let holder = &self.line.handling.holder(*nest).name;
-                holder.strip_prefix(&station.name).is_some_and(|rest| rest.starts_with('.'))
-            };
-            let nest = nests.iter().map(|(_, nest)| *nest).find(own);
-            let op = WORK.iter().find_map(|name| station.operation_named(name));
-            if let (Some(nest), Some(op)) = (nest, op) {
-                floor.watch(id, op, nest);
-            }
-        }
-        Some(floor)
-    }
-
-    fn troubles(&self, rng: &mut Rng) -> Vec<PlannedTrouble> {
-        let count = rng.below(6);
-        let planned = (0..count).map(|_| {
-            let station = StationId::at(rng.below(self.line.stations.len() as u64) as usize);
-            let operations = self.line.station(station).operations.len() as u64;
-            let faults = [
-                MotionFault::Stick,
-                MotionFault::Slip,
-                MotionFault::Break,
-                MotionFault::SlipBack,
-                MotionFault::Miss,
-                MotionFault::Drop,
-            ];
-            let commands =
-                [ModeCommand::EStop, ModeCommand::Stop, ModeCommand::Manual, ModeCommand::Hand, ModeCommand::Start];
-            let motion = FloorTrouble::Motion(OpId(rng.below(operations) as u16), *rng.pick(&faults), rng.chance(300));
-            let what = match rng.below(8) {
-                0 | 1 => FloorTrouble::Killed { forgets: rng.chance(300) },
-                2 => FloorTrouble::Away,
-                3..6 => motion,
-                6 => FloorTrouble::Command(*rng.pick(&commands)),
-                _ => FloorTrouble::Press(rng.chance(500)),
-            };
-            let at = Tick::from_micros(rng.within(500_000, FAULTS_UNTIL));
-            PlannedTrouble { at, lasts: Duration::from_micros(rng.within(50_000, 15_000_000)), station, what }
-        });
-        planned.collect()
-    }
-}
-
 /// What has become of a seed.
 #[derive(Clone, Debug)]
 pub struct PlayedFloor {
@@ -261,7 +107,7 @@ pub fn play_floor(seed: u64, mutant: Option<FloorMutant>) -> PlayedFloor {
     let mut world = FloorWorld::new(&work, options, troubles, mutant);
     world.play(&work);
     let is_left_standing = world.is_left_standing;
-    let judged = || if is_left_standing { None } else { world.judge(&work) };
+    let judged = || world.judge(&work, is_left_standing);
     let finding = world.finding.clone().or_else(judged);
     PlayedFloor { finding, is_left_standing, story: world.story, lives: world.sim.lives, end: world.now }
 }
@@ -518,13 +364,24 @@ impl FloorWorld {
         let mishap = plant
             .mishaps()
             .0
-            .first()
-            .filter(|_| !self.parts_may_fall)
+            .iter()
+            .find(|(at, mishap)| !self.is_excused(*at, mishap))
             .map(|(at, mishap)| format!("at {at}: {mishap:?}"));
         let trouble = floor.trouble.first().cloned();
         if let Some(found) = conflict.or(mishap).or(trouble) {
             self.finding = Some(found);
         }
+    }
+
+    /// Whether it follows from a fault that has begun: a grip of its station fails, an axis of it leaves by itself where it has just been
+    /// seen, or it has forgotten the slot that its part is on its way to.
+    fn is_excused(&self, at: Tick, mishap: &PartFault) -> bool {
+        let (PartFault::Fell { hand, .. } | PartFault::Torn { hand, .. } | PartFault::Blocked { hand, .. }) = *mishap;
+        let of = &self.line.handling.holder(hand).name;
+        let is_its = |station: StationId| of.strip_prefix(self.name(station)).is_some_and(|rest| rest.starts_with('.'));
+        self.troubles
+            .iter()
+            .any(|(planned, _)| planned.at <= at && planned.may_drop_a_part() && is_its(planned.station))
     }
 
     pub fn works_on(&self, part: Option<PartId>) -> usize {
@@ -549,13 +406,20 @@ impl FloorWorld {
         )
     }
 
-    fn judge(&self, work: &FloorWork) -> Option<String> {
+    fn judge(&self, work: &FloorWork, is_left_standing: bool) -> Option<String> {
         let floor = self.floor();
         let mut left = floor.left.clone();
         left.sort_unstable();
         left.dedup();
         let scrapped = self.sim.state().exceptions().scrapped();
-        if left.len() != floor.left.len() || left.len() as u64 + scrapped != work.parts {
+        if left.len() != floor.left.len() {
+            return Some(format!("{:?} have left", floor.left));
+        }
+        if is_left_standing {
+            let known = left.len() as u64 + scrapped + self.sim.state().parts().len() as u64;
+            return (known > work.parts).then(|| format!("{known} parts are known of {}", work.parts));
+        }
+        if left.len() as u64 + scrapped != work.parts {
             return Some(format!("{:?} have left of {} parts, {scrapped} were scrapped", floor.left, work.parts));
         }
         if scrapped > 0 && !self.parts_may_fall {

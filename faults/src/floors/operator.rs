@@ -16,7 +16,7 @@ use linewright_recovery::{
 };
 use linewright_station_logic::{PanelCommand, RejoinAt};
 
-use crate::floors::FloorWorld;
+use super::FloorWorld;
 
 /// Longer than any mode, report or order takes.
 const MOMENT: Duration = Duration::from_millis(800);
