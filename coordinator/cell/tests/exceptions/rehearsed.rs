@@ -128,3 +128,17 @@ fn answers_name_a_station_that_is_not_received() {
     let later = text(&bench, now + Duration::from_secs(600), m1);
     assert!(later.starts_with("in-store (refused now: ") && later.contains("no state received"), "{later}");
 }
+
+/// The part lies in the machine before its work and after it: the sensor is on in both, and the person decides.
+#[test]
+fn whether_a_part_was_worked_on_is_not_measured() {
+    let mut bench = CellBench::c1(&[1, 0]);
+    bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
+    bench.at("m1").fails_with = Some(7);
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    bench.hear();
+    let unseen = AnswerVerdict::Taken { unseen: vec![bench.resource("M1")] };
+    for word in ["as-before", "as-done"] {
+        assert_eq!(bench.verdict(word), unseen, "{word}");
+    }
+}
