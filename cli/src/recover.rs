@@ -175,14 +175,15 @@ fn causes<'a>(
     line.station_ids().filter_map(named).collect()
 }
 
-/// Whether what led to a station's fault leads to it again if it is not removed. A stop by command or by a restart does not, nor do
-/// devices that are there again.
+/// Whether what led to a station's fault leads to it again if it is not removed. A stop by command or by a restart, with or without its
+/// journal, does not, nor do devices that are there again.
 fn comes_again(state: &StationState) -> bool {
     let by_itself = |code: &u8| match *code {
         StationState::CAUSE_RESTART
         | StationState::CAUSE_RELEASED
         | StationState::CAUSE_ESTOP
-        | StationState::CAUSE_ORDERED => false,
+        | StationState::CAUSE_ORDERED
+        | StationState::CAUSE_NOT_AT_HOME => false,
         StationState::CAUSE_DEVICES => !state.devices_valid,
         _ => true,
     };

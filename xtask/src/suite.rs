@@ -24,7 +24,8 @@ pub enum Extent {
 
 /// Parts of the names of long tests, of one package where its name stands before. Most of them explore or play generated
 /// lines and cells.
-const LONG: [&str; 13] = [
+const LONG: [&str; 14] = [
+    "linewright-faults with_real_stations",
     "linewright-proof agreement::",
     "broken::",
     "cells::protocol::",

@@ -2,7 +2,7 @@
 //! controller, and the plant with its parts.
 //!
 //! The coordinator is killed between any two of its records and messages, and with it the mode decision; stations are killed
-//! anywhere in a motion and start from their journals, or are not received; motions stick, slip, break and run back; messages of
+//! anywhere in a motion and start with their journals or without, or are not received; motions stick, slip, break and run back; messages of
 //! orders get lost, come twice and late; people give commands at the wrong moment. All the time an operator looks, follows the
 //! recovery plan step by step ([`linewright_recovery::plan`]), and answers alarms by where the part is.
 //!
@@ -351,7 +351,7 @@ impl FloorWorld {
         }
     }
 
-    /// What must never be.
+    /// Conflicts, and mishaps of parts that no trouble explains.
     fn watch(&mut self) {
         for firing in self.sim.coordination.state().firings() {
             let done = self.works_on(firing.part);

@@ -194,7 +194,7 @@ impl FloorWorld {
         true
     }
 
-    /// The answer that is so, after the part has been put right where none is.
+    /// The answer that fits where the part is; one that has fallen is put back before.
     fn answer(&mut self, id: AlarmId) -> Option<String> {
         let alarm = self.sim.state().exceptions().alarm(id)?.clone();
         let AlarmSubject::Firing(firing) = alarm.about else { return alarm.words.first().cloned() };

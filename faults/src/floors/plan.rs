@@ -37,13 +37,13 @@ pub(super) enum FloorTrouble {
     Away,
     /// An operation, done or undone.
     Motion(OpId, MotionFault, bool),
-    /// A command that nobody needs.
+    /// A command at the wrong moment.
     Command(ModeCommand),
     /// The station's panel, whatever the mode.
     Press(bool),
 }
 
-/// With its time.
+/// A trouble, with its time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlannedTrouble {
     pub at: Tick,

@@ -50,6 +50,10 @@ impl StopCause {
                 line.station(station).name,
                 line.input_text(Owner::Station(station), input)
             ),
+            StopCause::Interlock { station, input: None, .. } if !is_measured(line, own, station) => format!(
+                "interlock: {} not clear: no switches measure that, and there are no counts in common",
+                line.station(station).name
+            ),
             StopCause::Interlock { station, input: None, .. } => {
                 format!(
                     "interlock: position of {} unknown: no valid image of its limit switches",
@@ -111,4 +115,14 @@ impl StopCause {
             _ => self.text().to_owned(),
         }
     }
+}
+
+/// Whether switches measure any conflict of one station on the other one's side.
+fn is_measured(line: &Line, own: StationId, other: StationId) -> bool {
+    let of_other = line.conflicts.iter().filter_map(|conflict| match (&conflict.a, &conflict.b) {
+        (a, b) if (a.station, b.station) == (own, other) => Some(b),
+        (a, b) if (b.station, a.station) == (own, other) => Some(a),
+        _ => None,
+    });
+    of_other.into_iter().any(|side| line.clearance(side).is_ok())
 }

@@ -252,6 +252,7 @@ fn a_conflict_that_no_switch_measures_blocks_what_a_lost_memory_may_run_into() {
     assert!(bench.drives(bench.opening()), "out of it, while the bar stands: {}", bench.blocked());
     bench.bar_has(&[], false);
     assert!(!bench.drives(bench.opening()), "the bar moves, and no switch says where");
+    assert!(bench.blocked().contains("interlock: transfer not clear: no switches measure that"), "{}", bench.blocked());
     // At home without a memory: nothing stands in for the counts, not even of the mill, whose conflict is measured.
     let mut bench = InterlockBench::new(line, 0);
     bench.mode(ControlMode::Manual);
