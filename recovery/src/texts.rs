@@ -428,6 +428,11 @@ impl RecoveryPlan {
             RecoveryEnd::LookAgain if self.is_unsettled() => {
                 vec!["not finished: what follows shows with the alarm of what has failed".to_owned()]
             }
+            RecoveryEnd::LookAgain
+                if matches!(self.steps.last(), Some(RecoveryStep { action: RecoveryAction::Rejoin { .. }, .. })) =>
+            {
+                vec!["what follows shows when that is confirmed".to_owned()]
+            }
             RecoveryEnd::LookAgain => vec!["what follows shows when every station is heard".to_owned()],
             RecoveryEnd::Misfit(misfit) => {
                 let name = &line.station(misfit.0).name;

@@ -341,6 +341,12 @@ fn a_station_that_lost_its_journal_is_led_though_no_alarm_asks() {
         let is_led = |seen: &LineSituation| {
             let found = plan(&line, seen);
             let leads = |of: &RecoveryAction| matches!(of, RecoveryAction::Press(station, _) | RecoveryAction::Rejoin { station, .. } if seen.left_out.contains(station));
+            let text = found.end_text(&line).join("; ");
+            assert_eq!(
+                found.end == RecoveryEnd::LookAgain && seen.unsettled.is_empty(),
+                text.contains("confirmed"),
+                "{text}"
+            );
             (found.steps.iter().any(|step| leads(&step.action)), found.end)
         };
         assert_eq!(is_led(&seen), (false, RecoveryEnd::Auto), "out of service");

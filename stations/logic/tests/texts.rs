@@ -41,6 +41,7 @@ fn causes() -> Vec<StopCause> {
         StopCause::NotAtHome => StopCause::NotAtHome;
         StopCause::Interlock { .. } => StopCause::Interlock { station: CLAMP, input: Some(INPUT), is_on: false },
             StopCause::Interlock { station: CLAMP, input: Some(INPUT), is_on: true },
+            StopCause::Interlock { station: TRANSFER, input: None, is_on: false },
             StopCause::Interlock { station: CLAMP, input: None, is_on: false };
         StopCause::PositionLost { .. } => StopCause::PositionLost { op: OP, input: INPUT };
         StopCause::IndexDoubtful { .. } => StopCause::IndexDoubtful { op: OP, input: INPUT, places: None },
