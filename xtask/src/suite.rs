@@ -24,8 +24,12 @@ pub enum Extent {
 
 /// Parts of the names of long tests, of one package where its name stands before. Most of them explore or play generated
 /// lines and cells.
-const LONG: [&str; 14] = [
+const LONG: [&str; 18] = [
+    "linewright-coordinator-cell planning::",
+    "linewright-faults every_rule_that",
     "linewright-faults with_real_stations",
+    "linewright-recovery brute_force::",
+    "linewright-recovery random_plays::",
     "linewright-proof agreement::",
     "broken::",
     "cells::protocol::",
