@@ -302,7 +302,7 @@ fn refused(client: &OperatorClient, step: &RecoveryStep) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use linewright_coordinator_cell::texts::PermittedAnswer;
+    use linewright_coordinator_cell::texts::ListedAnswer;
     use linewright_recovery::StandingAlarm;
 
     use super::*;
@@ -334,7 +334,7 @@ mod tests {
         let alarm = StandingAlarm {
             id: 3,
             text: "M1 failed.".to_owned(),
-            answers: ["as-done", "as-before"].map(PermittedAnswer::from).to_vec(),
+            answers: ["as-done", "as-before"].map(ListedAnswer::from).to_vec(),
             lead: Vec::new(),
             reset: Vec::new(),
             at_order: Vec::new(),

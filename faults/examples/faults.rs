@@ -6,6 +6,7 @@ use std::time::Instant;
 use linewright_faults::{
     CELL_MUTANTS, FLOOR_MUTANTS, FaultPlan, MUTANTS, Mutant, PlayedSeed, play, play_cell, play_floor, play_plan, shrink,
 };
+use linewright_line::Tick;
 
 /// Entries of a story that are printed.
 const STORY: usize = 60;
@@ -109,15 +110,21 @@ fn seeds(arguments: &FaultArguments) -> bool {
 
 fn tell(seed: u64, plan: &FaultPlan, played: &PlayedSeed) {
     println!("\nseed {seed}: {}", plan.line.title);
-    let skipped = played.story.len().saturating_sub(STORY);
+    let finding = played.finding.as_ref().map(|finding| (finding.at, finding.text.as_str()));
+    tell_story(&played.story, finding);
+}
+
+/// The end of a story, and what was found.
+fn tell_story(story: &[(Tick, String)], finding: Option<(Tick, &str)>) {
+    let skipped = story.len().saturating_sub(STORY);
     if skipped > 0 {
         println!("   … {skipped} before");
     }
-    for (at, text) in played.story.iter().skip(skipped) {
+    for (at, text) in story.iter().skip(skipped) {
         println!("{:>10.4} s  {text}", at.as_secs_f64());
     }
-    if let Some(finding) = &played.finding {
-        println!("{:>10.4} s  FOUND {}", finding.at.as_secs_f64(), finding.text);
+    if let Some((at, text)) = finding {
+        println!("{:>10.4} s  FOUND {text}", at.as_secs_f64());
     }
 }
 
@@ -160,11 +167,7 @@ fn floors(arguments: &FaultArguments) -> bool {
         if let Some(finding) = played.finding {
             failed += 1;
             println!("\nseed {seed}");
-            let skipped = played.story.len().saturating_sub(STORY);
-            for (at, text) in played.story.iter().skip(skipped) {
-                println!("{:>10.4} s  {text}", at.as_secs_f64());
-            }
-            println!("{:>10.4} s  FOUND {finding}", played.end.as_secs_f64());
+            tell_story(&played.story, Some((played.end, &finding)));
         }
     }
     let took = start.elapsed().as_secs_f64();

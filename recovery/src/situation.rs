@@ -1,6 +1,6 @@
 //! What is known of a line when a plan is made.
 
-use linewright_coordinator_cell::texts::PermittedAnswer;
+use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_logic::ModeStanding;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, OpId, RestId, StationId};
@@ -44,7 +44,7 @@ pub struct StandingAlarm {
     /// What has happened, and what to do.
     pub text: String,
     /// What can be answered, when it is done.
-    pub answers: Vec<PermittedAnswer>,
+    pub answers: Vec<ListedAnswer>,
     /// Stations that are to be led to a rest by hand before that.
     pub lead: Vec<StationId>,
     /// Those of them that are in emergency stop by themselves, to be reset before they are led.

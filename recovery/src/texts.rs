@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::texts::PermittedAnswer;
+use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{AxisId, Line, OpId, Owner, Station, StationId};
@@ -61,7 +61,7 @@ impl Need {
                 format!("wait: {activity}{at}")
             }
             Need::Answer(alarm) => {
-                let answers = alarm.answers.iter().map(PermittedAnswer::text).collect::<Vec<_>>().join(" or ");
+                let answers = alarm.answers.iter().map(ListedAnswer::text).collect::<Vec<_>>().join(" or ");
                 format!("alarm {}: {} Then answer by what is so at the machine now: {answers}", alarm.id, alarm.text)
             }
             Need::Other(text) => text.clone(),

@@ -1,10 +1,12 @@
 //! Alarms of a cell in a plan: what they ask to be led is led, and they are answered.
 
-use linewright_coordinator_cell::texts::PermittedAnswer;
+use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{InputId, Line, OpId, StationId, Tick};
-use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, StandingAlarm, plan};
+use linewright_recovery::{
+    LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, StandingAlarm, plan,
+};
 use linewright_station_logic::{Controller, NO_DELAY, Restore, StationInput, StationOutbox, StationSnapshot};
 
 use crate::cells::{half_way, shipped};
@@ -13,11 +15,11 @@ use crate::holding::reported;
 /// An alarm of an activity whose stations are held between two rests.
 fn alarm(lead: &[StationId], reset: &[StationId]) -> StandingAlarm {
     let meaning = "not done, part at M1".to_owned();
-    let as_before = PermittedAnswer { meaning, ..PermittedAnswer::from("as-before") };
+    let as_before = ListedAnswer { meaning, ..ListedAnswer::from("as-before") };
     StandingAlarm {
         id: 3,
         text: "M1.process failed. Answer where the part is.".to_owned(),
-        answers: vec![as_before, PermittedAnswer::from("gone")],
+        answers: vec![as_before, ListedAnswer::from("gone")],
         lead: lead.to_vec(),
         reset: reset.to_vec(),
         at_order: Vec::new(),
@@ -53,8 +55,16 @@ fn at_home(line: &Line, id: StationId) -> u128 {
     station.rest_inputs(home) | station.operations[station.home.index()].normal.complete.bit()
 }
 
-fn place_of(steps: &[linewright_recovery::RecoveryStep], is_it: impl Fn(&RecoveryAction) -> bool) -> Option<usize> {
+fn place_of(steps: &[RecoveryStep], is_it: impl Fn(&RecoveryAction) -> bool) -> Option<usize> {
     steps.iter().position(|step| is_it(&step.action))
+}
+
+fn commands(plan: &RecoveryPlan) -> Vec<ModeCommand> {
+    let command = |step: &RecoveryStep| match step.action {
+        RecoveryAction::Command(command) => Some(command),
+        _ => None,
+    };
+    plan.steps.iter().filter_map(command).collect()
 }
 
 #[test]
@@ -239,14 +249,7 @@ fn from_auto_the_start_is_listed_that_leads_from_home_to_hand() {
     seen.alarms = vec![StandingAlarm { bring: Some((m1, open)), ..alarm(&[], &[]) }];
     let found = plan(&line, &seen);
     let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
-    let commands: Vec<ModeCommand> = found
-        .steps
-        .iter()
-        .filter_map(|step| match step.action {
-            RecoveryAction::Command(command) => Some(command),
-            _ => None,
-        })
-        .collect();
+    let commands = commands(&found);
     let way = [ModeCommand::Stop, ModeCommand::Start, ModeCommand::Hand, ModeCommand::Auto];
     assert_eq!(commands, way, "{texts:#?}");
     assert!(place_of(&found.steps, |of| matches!(of, RecoveryAction::Hold { .. })).is_some(), "{texts:#?}");
@@ -319,14 +322,7 @@ fn from_hand_mode_a_station_is_led_after_stop() {
     seen.stations[robot.index()] = Some(reported(&line, robot, snapshot, 0));
     (seen.left_out, seen.alarms) = (vec![robot], vec![alarm(&[robot], &[])]);
     let found = plan(&line, &seen);
-    let commands: Vec<ModeCommand> = found
-        .steps
-        .iter()
-        .filter_map(|step| match step.action {
-            RecoveryAction::Command(command) => Some(command),
-            _ => None,
-        })
-        .collect();
+    let commands = commands(&found);
     assert_eq!(commands[..2], [ModeCommand::Stop, ModeCommand::Manual]);
     assert_eq!(found.end, RecoveryEnd::Auto);
 }

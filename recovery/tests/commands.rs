@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::texts::PermittedAnswer;
+use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{ButtonId, Line, RestId, StationId};
@@ -89,7 +89,7 @@ impl WrongRest {
         if !self.is_answered {
             seen.left_out = vec![self.station];
             let bring = Some((self.station, self.wanted)).filter(|_| self.rest() != Some(self.wanted));
-            let (text, answers) = ("m1 stands at rest \"clamped\".".to_owned(), vec![PermittedAnswer::from("up")]);
+            let (text, answers) = ("m1 stands at rest \"clamped\".".to_owned(), vec![ListedAnswer::from("up")]);
             let (lead, reset, at_order) = (Vec::new(), Vec::new(), Vec::new());
             let alarm = StandingAlarm { id: 7, text, answers, lead, reset, at_order, end: None, bring };
             seen.alarms = vec![alarm];

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::texts::PermittedAnswer;
+use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::{Line, OpId, StationId, TaskId};
 use linewright_proof::generate::Random;
@@ -101,7 +101,7 @@ impl Transfer {
         seen.alarms = vec![StandingAlarm {
             id: 1,
             text: "it failed.".to_owned(),
-            answers: ["as-before", "as-done"].map(PermittedAnswer::from).to_vec(),
+            answers: ["as-before", "as-done"].map(ListedAnswer::from).to_vec(),
             lead: self.held(),
             reset: Vec::new(),
             at_order: Vec::new(),

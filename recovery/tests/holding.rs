@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use linewright_coordinator_cell::texts::PermittedAnswer;
+use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{AxisId, Grip, HolderId, InputId, Line, Sensor, Sign, Stand, StationId, TaskId, Tick};
 use linewright_recovery::{
@@ -184,7 +184,7 @@ impl<'l> Transfer<'l> {
         seen.alarms = vec![StandingAlarm {
             id: 1,
             text: "it failed.".to_owned(),
-            answers: ["as-before", "as-done"].map(PermittedAnswer::from).to_vec(),
+            answers: ["as-before", "as-done"].map(ListedAnswer::from).to_vec(),
             lead,
             reset: Vec::new(),
             at_order: Vec::new(),

@@ -1,16 +1,16 @@
 //! What can be answered to an alarm, each with what sensors say of it, as text and as data.
 
-use linewright_coordinator_cell::texts::{AnswerFit, AnswerRemark, PermittedAnswer};
+use linewright_coordinator_cell::texts::{AnswerFit, AnswerRemark, ListedAnswer};
 use linewright_msgs::AlarmState;
 use serde::Serialize;
 
 /// Answers to an alarm as one line of text, each with its meaning and what sensors say of it in parentheses.
 pub fn answers(alarm: &AlarmState) -> String {
-    permitted(alarm).iter().map(PermittedAnswer::text).collect::<Vec<_>>().join(", ")
+    permitted(alarm).iter().map(ListedAnswer::text).collect::<Vec<_>>().join(", ")
 }
 
 /// Answers to an alarm, as the coordinator reports them. A verdict that is not known here is none.
-pub fn permitted(alarm: &AlarmState) -> Vec<PermittedAnswer> {
+pub fn permitted(alarm: &AlarmState) -> Vec<ListedAnswer> {
     let fit = |at: usize| match alarm.verdicts.get(at).copied() {
         Some(AlarmState::VERDICT_FITS) => Some(AnswerFit::Fits),
         Some(AlarmState::VERDICT_CONTRADICTS) => Some(AnswerFit::Contradicts),
@@ -20,7 +20,7 @@ pub fn permitted(alarm: &AlarmState) -> Vec<PermittedAnswer> {
         _ => None,
     };
     let text = |of: &[String], at: usize| of.get(at).cloned().unwrap_or_default();
-    let answer = |(at, word): (usize, &String)| PermittedAnswer {
+    let answer = |(at, word): (usize, &String)| ListedAnswer {
         word: word.clone(),
         meaning: text(&alarm.meanings, at),
         remark: fit(at).map(|fit| AnswerRemark { fit, why: text(&alarm.verdict_reasons, at) }),
@@ -34,15 +34,15 @@ pub struct AnswerJson {
     answer: String,
     /// What becomes of the activity, and where its part is then.
     meaning: String,
-    /// `fits` or `contradicts` the sensors, `not measured`, `not known`, or would be `refused` now; null where the alarm says what is so of
-    /// every answer.
+    /// `fits`, `contradicts`, `refused`, `not measured` or `not known` (see [`AnswerFit`]); null where the text of the alarm covers every
+    /// answer.
     verdict: Option<&'static str>,
     /// Sensors that contradict it, why it is refused, where to look, or which station is not received.
     why: Option<String>,
 }
 
-impl From<&PermittedAnswer> for AnswerJson {
-    fn from(of: &PermittedAnswer) -> Self {
+impl From<&ListedAnswer> for AnswerJson {
+    fn from(of: &ListedAnswer) -> Self {
         AnswerJson {
             answer: of.word.clone(),
             meaning: of.meaning.clone(),
@@ -69,7 +69,7 @@ mod tests {
 
     use super::*;
 
-    /// The verdict is that of its field; what a meaning says of it counts for nothing.
+    /// The verdict is read from its own field, also where the text of a meaning looks like one.
     #[test]
     fn text_and_data_of_an_answer_are_made_from_the_fields_of_its_alarm() {
         let (fits, off) = ("once more; fits the sensors", "M1: part expected, sensor off");

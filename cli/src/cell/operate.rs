@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::{Duration, SystemTime};
 
 use clap::{Args, Subcommand};
-use linewright_coordinator_cell::texts::PermittedAnswer;
+use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_cell::texts::alarm::takes_back;
 use linewright_msgs::{AlarmState, CellState, ProductionState, SetResourceRequest, Time};
 use linewright_node_shell::RosArgs;
@@ -175,7 +175,7 @@ impl CellJson {
 
 fn alarms(state: &CellState) -> Vec<Value> {
     let alarm = |alarm: &AlarmState| {
-        let remark = |of: PermittedAnswer| of.remark.map(|remark| verdict(remark.fit));
+        let remark = |of: ListedAnswer| of.remark.map(|remark| verdict(remark.fit));
         let verdicts: Vec<Option<&str>> = permitted(alarm).into_iter().map(remark).collect();
         let AlarmState { id, text, answers, meanings, verdict_reasons, .. } = alarm;
         json!({

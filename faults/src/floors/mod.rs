@@ -3,7 +3,7 @@
 //!
 //! The coordinator is killed between any two of its records and messages, and with it the mode decision; stations are killed
 //! anywhere in a motion and start with their journals or without, or are not received; motions stick, slip, break and run back; messages of
-//! orders get lost, come twice and late; people give commands at the wrong moment. All the time an operator looks, follows the
+//! orders get lost, come twice and late; people give commands at the wrong moment. Throughout a run an operator follows the
 //! recovery plan step by step ([`linewright_recovery::plan`]), and answers alarms by where the part is.
 //!
 //! The truth is in the plant's parts, which neither the coordinator nor any station sees. Looked for all the time: conflicts of
@@ -26,7 +26,6 @@ use linewright_line::{HolderId, Line, OpId, StationId, Tick};
 use linewright_plant::{PartFault, Plant};
 use linewright_simulation::cell::{CellSim, CellSimOptions, ShopFloor, nests};
 use linewright_simulation::{ConflictObserver, Rng};
-
 use linewright_station_logic::PanelCommand;
 
 pub use plan::{FLOOR_MUTANTS, FloorMutant};
@@ -36,6 +35,7 @@ use plan::{FloorTrouble, FloorWork, PlannedTrouble};
 const PERIOD: Duration = Duration::from_millis(20);
 /// A production takes a tenth of that without faults.
 const LONG: Tick = Tick::from_millis(7_200_000);
+
 /// What has become of a seed.
 #[derive(Clone, Debug)]
 pub struct PlayedFloor {
@@ -106,10 +106,14 @@ pub fn play_floor(seed: u64, mutant: Option<FloorMutant>) -> PlayedFloor {
     let troubles = work.troubles(&mut rng);
     let mut world = FloorWorld::new(&work, options, troubles, mutant);
     world.play(&work);
-    let is_left_standing = world.is_left_standing;
-    let judged = || world.judge(&work, is_left_standing);
-    let finding = world.finding.clone().or_else(judged);
-    PlayedFloor { finding, is_left_standing, story: world.story, lives: world.sim.lives, end: world.now }
+    let finding = world.finding.clone().or_else(|| world.judge(&work));
+    PlayedFloor {
+        finding,
+        is_left_standing: world.is_left_standing,
+        story: world.story,
+        lives: world.sim.lives,
+        end: world.now,
+    }
 }
 
 impl FloorWorld {
@@ -300,9 +304,10 @@ impl FloorWorld {
         self.shell.handle(now, CoordinatorArrival::Buttons(self.buttons));
         self.shell.handle(now, CoordinatorArrival::Resume { console: 1, held: self.resumes });
         self.sequence += 1;
-        for id in
-            (0..self.line.stations.len()).map(StationId::at).filter(|&id| self.is_received(id)).collect::<Vec<_>>()
-        {
+        for id in self.line.station_ids() {
+            if !self.is_received(id) {
+                continue;
+            }
             let controller = self.floor().controller(id);
             let mut heard = heard(&controller.report());
             heard.follows = controller.followed();
@@ -340,9 +345,10 @@ impl FloorWorld {
             self.mode = order.mode;
             self.note(format!("mode {}", self.shell.coordinator().text()));
         }
-        for id in
-            (0..self.line.stations.len()).map(StationId::at).filter(|&id| self.is_received(id)).collect::<Vec<_>>()
-        {
+        for id in self.line.station_ids() {
+            if !self.is_received(id) {
+                continue;
+            }
             let order = self.shell.order_for(id);
             self.floor_mut().order(id, order);
         }
@@ -406,7 +412,7 @@ impl FloorWorld {
         )
     }
 
-    fn judge(&self, work: &FloorWork, is_left_standing: bool) -> Option<String> {
+    fn judge(&self, work: &FloorWork) -> Option<String> {
         let floor = self.floor();
         let mut left = floor.left.clone();
         left.sort_unstable();
@@ -415,7 +421,7 @@ impl FloorWorld {
         if left.len() != floor.left.len() {
             return Some(format!("{:?} have left", floor.left));
         }
-        if is_left_standing {
+        if self.is_left_standing {
             let known = left.len() as u64 + scrapped + self.sim.state().parts().len() as u64;
             return (known > work.parts).then(|| format!("{known} parts are known of {}", work.parts));
         }

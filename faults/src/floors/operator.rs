@@ -5,10 +5,10 @@ use std::time::Duration;
 use linewright_coordinator_cell::exception::{
     AlarmSubject, LeadDirection, RecoveryDecision, StationsToLead, Whereabouts,
 };
-use linewright_coordinator_cell::texts::PermittedAnswer;
+use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_cell::{ActivityPhase, AlarmId, FiringId, OngoingActivity, PlayerInput};
 use linewright_coordinator_shell::CoordinatorArrival;
-use linewright_line::{StationId, Tick};
+use linewright_line::StationId;
 use linewright_plant::{NestPosition, PartNo};
 use linewright_recovery::{
     ActivityEnd, DecidedEnd, LineSituation, Need, PanelButton, RecoveryAction, RecoveryEnd, RecoveryStep,
@@ -16,7 +16,7 @@ use linewright_recovery::{
 };
 use linewright_station_logic::{PanelCommand, RejoinAt};
 
-use super::FloorWorld;
+use super::{FloorWorld, LONG};
 
 /// Longer than any mode, report or order takes.
 const MOMENT: Duration = Duration::from_millis(800);
@@ -60,7 +60,7 @@ impl FloorWorld {
         StandingAlarm {
             id: id.0,
             text: coordination.alarm_text(now, alarm),
-            answers: alarm.words.iter().map(|word| PermittedAnswer::from(word.as_str())).collect(),
+            answers: alarm.words.iter().map(|word| ListedAnswer::from(word.as_str())).collect(),
             lead,
             reset,
             at_order,
@@ -102,7 +102,7 @@ impl FloorWorld {
             if waits > WAITS_MAX {
                 return Err(format!("the plan waits without an end: {}; {}", step.text(&self.line), self.described()));
             }
-            if self.finding.is_some() || self.now > Tick::from_millis(7_200_000) {
+            if self.finding.is_some() || self.now > LONG {
                 return Ok(());
             }
         }

@@ -28,7 +28,7 @@ const FAULTS_UNTIL: u64 = 120_000_000;
 /// The operations by which a part is worked on, of the shipped cells.
 const WORK: [&str; 3] = ["cut", "assemble", "work on the part"];
 
-/// What goes wrong on the floor.
+/// A disturbance of a cell: of a station's process, its messages, its motions, or by people.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum FloorTrouble {
     /// The station's process is killed, and starts again, with its journal or without.
@@ -146,17 +146,10 @@ impl FloorWork {
         let planned = (0..count).map(|_| {
             let station = StationId::at(rng.below(self.line.stations.len() as u64) as usize);
             let operations = self.line.station(station).operations.len() as u64;
-            let faults = [
-                MotionFault::Stick,
-                MotionFault::Slip,
-                MotionFault::Break,
-                MotionFault::SlipBack,
-                MotionFault::Miss,
-                MotionFault::Drop,
-            ];
             let commands =
                 [ModeCommand::EStop, ModeCommand::Stop, ModeCommand::Manual, ModeCommand::Hand, ModeCommand::Start];
-            let motion = FloorTrouble::Motion(OpId(rng.below(operations) as u16), *rng.pick(&faults), rng.chance(300));
+            let motion =
+                FloorTrouble::Motion(OpId(rng.below(operations) as u16), *rng.pick(&MotionFault::ALL), rng.chance(300));
             let what = match rng.below(8) {
                 0 | 1 => FloorTrouble::Killed { forgets: rng.chance(300) },
                 2 => FloorTrouble::Away,

@@ -42,22 +42,22 @@ pub struct AnswerRemark {
 
 /// A permitted answer to an alarm, as operators read it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PermittedAnswer {
+pub struct ListedAnswer {
     pub word: String,
-    /// What becomes of the activity, and where its part is then; empty where nothing is said of it.
+    /// Effect of the answer on its activity, and the place of the part afterwards; empty if unknown.
     pub meaning: String,
     /// None where sensors say nothing of it.
     pub remark: Option<AnswerRemark>,
 }
 
 /// An answer of which nothing more is known.
-impl From<&str> for PermittedAnswer {
+impl From<&str> for ListedAnswer {
     fn from(word: &str) -> Self {
-        PermittedAnswer { word: word.to_owned(), meaning: String::new(), remark: None }
+        ListedAnswer { word: word.to_owned(), meaning: String::new(), remark: None }
     }
 }
 
-impl PermittedAnswer {
+impl ListedAnswer {
     /// The answer, with its meaning and the remark in parentheses.
     pub fn text(&self) -> String {
         let remark = self.remark.as_ref().map(AnswerRemark::text).unwrap_or_default();

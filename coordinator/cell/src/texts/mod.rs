@@ -13,7 +13,7 @@ mod production;
 mod service;
 pub(crate) mod wait;
 
-pub use answer::{AnswerFit, AnswerRemark, PermittedAnswer, answer_refused};
+pub use answer::{AnswerFit, AnswerRemark, ListedAnswer, answer_refused};
 pub use decision::{called, decision, named, reason};
 pub use part::part;
 pub use wait::{CellWait, TokenOwner, failed, recovery};

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_coordinator_cell::exception::{ExceptionStep, Whereabouts};
-use linewright_coordinator_cell::texts::{AnswerRemark, PermittedAnswer};
+use linewright_coordinator_cell::texts::{AnswerRemark, ListedAnswer};
 use linewright_coordinator_cell::{AnswerVerdict, PartId, TaskReport};
 use linewright_line::{StationId, Tick};
 
@@ -77,7 +77,7 @@ fn each_answer_says_whether_it_fits_the_sensors() {
     let texts = |bench: &CellBench| -> Vec<String> {
         let (line, alarm) = (workcell_line(|line| line), bench.alarm());
         let meanings = linewright_coordinator_cell::texts::alarm::meanings(&bench.sim.coordination, alarm);
-        let answer = |(word, meaning): (&String, String)| PermittedAnswer {
+        let answer = |(word, meaning): (&String, String)| ListedAnswer {
             word: word.clone(),
             meaning,
             remark: AnswerRemark::of(&line, bench.state(), alarm.id, &bench.verdict(word)),
@@ -104,7 +104,7 @@ fn each_answer_says_whether_it_fits_the_sensors() {
     assert_eq!(texts(&bench)[1], refused);
 }
 
-/// While a station is away each answer says so, and what to do: for a moment nothing can be compared, later nothing is taken.
+/// While a station is not received, each answer names it with the remedy: at first the verdict is unknown, later the answer is refused.
 #[test]
 fn answers_name_a_station_that_is_not_received() {
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);
@@ -118,7 +118,7 @@ fn answers_name_a_station_that_is_not_received() {
         let verdict = bench.sim.coordination.rehearsed(now, bench.alarm().id, "in-store", &known);
         let line = workcell_line(|line| line);
         let remark = AnswerRemark::of(&line, bench.state(), bench.alarm().id, &verdict);
-        PermittedAnswer { remark, ..PermittedAnswer::from("in-store") }.text()
+        ListedAnswer { remark, ..ListedAnswer::from("in-store") }.text()
     };
     let now = bench.sim.now;
     assert_eq!(
@@ -129,7 +129,7 @@ fn answers_name_a_station_that_is_not_received() {
     assert!(later.starts_with("in-store (refused now: ") && later.contains("no state received"), "{later}");
 }
 
-/// The part lies in the machine before its work and after it: the sensor is on in both, and the person decides.
+/// The part is in the machine before and after the work on it, and the sensor is on either way: a person has to look at the part.
 #[test]
 fn whether_a_part_was_worked_on_is_not_measured() {
     let mut bench = CellBench::c1(&[1, 0]);

@@ -232,7 +232,7 @@ fn an_alarm_names_the_inputs_that_were_waited_for() {
     assert!(text.contains("robot: awaited input not on in time (code 22): m1_clamped, after"), "{text}");
 }
 
-/// No time was over at a station whose order is ended since another one has failed: nothing is wrong with its sensor.
+/// A station whose order is ended because another station has failed has not exceeded its own time limit; its sensor is not reported as late.
 #[test]
 fn an_order_left_while_it_waited_is_not_called_late() {
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);
