@@ -7,6 +7,7 @@ use linewright_faults::{
     CELL_MUTANTS, FLOOR_MUTANTS, FaultPlan, MUTANTS, Mutant, PlayedSeed, play, play_cell, play_floor, play_plan, shrink,
 };
 use linewright_line::Tick;
+use linewright_proof::generate;
 
 /// Entries of a story that are printed.
 const STORY: usize = 60;
@@ -98,6 +99,9 @@ fn seeds(arguments: &FaultArguments) -> bool {
                 played
             };
             tell(seed, &plan, &played);
+            if arguments.shrinks {
+                println!("\n{}", generate::text(&plan.line));
+            }
         }
     }
     let took = start.elapsed().as_secs_f64();

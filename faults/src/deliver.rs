@@ -75,6 +75,7 @@ impl World {
                 let stop = self.observer.ordered((self.now, since), to, order, (in_stop, manual_waits));
                 // One with a longer lease is not taken, and its number neither.
                 if *sequence == FORGED_NUMBER && order.lease <= timing.lease {
+                    self.observer.deafened(to, self.now + timing.lease.max(timing.stale) + 2 * timing.refresh);
                     self.observer.forget_lives(to);
                 }
                 if let Some(stop) = stop {

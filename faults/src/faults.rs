@@ -250,8 +250,6 @@ impl World {
         let boot_id = if is_followed { followed } else { 0xBAD };
         let lease = if is_long { ModeOrder::FOR_GOOD } else { self.line.timing.lease };
         let order = ModeOrder { station_life, ..ModeOrder::of(boot_id, epoch, mode, lease) };
-        let timing = self.line.timing;
-        self.observer.deafened(station, self.now + timing.stale + 2 * timing.refresh);
         self.send(self.operator_node(), station, Message::Order { sequence: FORGED_NUMBER, order });
     }
 

@@ -247,13 +247,21 @@ impl Observer {
         }
     }
 
+    /// Whether a station would be in conflict where its mechanisms are now, if they were let stand there.
+    pub(crate) fn would_meet(&self, line: &Line, plant: &Plant, station: usize) -> bool {
+        let mut tried = self.conflicts.clone();
+        tried.look(line, |_| plant, station);
+        tried.seen().len() > self.conflicts.seen().len()
+    }
+
     /// What a forged order has as its epoch says nothing of those that follow.
     pub(crate) fn forget_lives(&mut self, at: usize) {
         self.stations[at].lives.clear();
     }
 
-    /// A forged order has been sent to a station. Until then those of its coordinator may be taken for older ones, where it has a number
-    /// that this one never gave, and which lives the station has received orders of is not known here.
+    /// A forged order has arrived at a station. Until then those of its coordinator may be taken for older ones, where it has a number
+    /// that this one never gave, and a lease of an earlier life may go on: which lives the station has received orders of is not
+    /// known here.
     pub(crate) fn deafened(&mut self, at: usize, until: Tick) {
         self.stations[at].deaf_until = self.stations[at].deaf_until.max(until);
     }

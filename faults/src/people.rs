@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::StationId;
 use linewright_line::net::ControlMode;
+use linewright_line::{AxisId, StationId};
 use linewright_station_logic::{Controller, RejoinAt};
 
 use crate::world::World;
@@ -175,8 +175,8 @@ impl World {
                 }
                 if self.asks_to_confirm(at) {
                     let is_nowhere = self.operations_that_fit(StationId::at(at)).is_empty();
-                    if is_nowhere && round > TRIED {
-                        self.put_home(at);
+                    if round > if is_nowhere { TRIED } else { 2 * TRIED } {
+                        self.put_home(at)?;
                     }
                     self.confirm(at, round);
                 }
@@ -192,17 +192,35 @@ impl World {
     }
 
     /// Puts the axes of a station that stands to where it has them at home, by hand: it is in no operation of its own.
-    fn put_home(&mut self, at: usize) {
+    ///
+    /// # Errors
+    /// Where another station is in the way there, which a person sees.
+    fn put_home(&mut self, at: usize) -> Result<(), String> {
         let id = StationId::at(at);
         if self.controller(at).is_none_or(|c| c.marking().any(|place| place.is_operating())) {
-            return;
+            return Ok(());
         }
         let home = self.line.station(id).positions_before_steps().into_iter().next().unwrap_or_default();
-        for (axis, place) in home.into_iter().enumerate() {
-            self.plant.place(self.now, id, linewright_line::AxisId::at(axis), place);
-        }
+        let places: Vec<(AxisId, f64)> =
+            home.into_iter().enumerate().map(|(axis, at)| (AxisId::at(axis), at)).collect();
         self.note(format!("{} is put to its home place by hand", self.name(at)));
-        self.look_at_devices(at);
+        self.put_by_hand(at, &places)
+    }
+
+    /// Puts axes of a station to these places by hand. A person does not push one to where another station is in its way.
+    ///
+    /// # Errors
+    /// Where that is so; they stand where they stood.
+    pub(crate) fn put_by_hand(&mut self, at: usize, places: &[(AxisId, f64)]) -> Result<(), String> {
+        let (id, now) = (StationId::at(at), self.now);
+        let before: Vec<f64> = places.iter().map(|&(axis, _)| self.plant.position(id, axis)).collect();
+        places.iter().for_each(|&(axis, to)| self.plant.place(now, id, axis, to));
+        if !self.observer.would_meet(&self.line, &self.plant, at) {
+            self.look_at_devices(at);
+            return Ok(());
+        }
+        places.iter().zip(before).for_each(|(&(axis, _), to)| self.plant.place(now, id, axis, to));
+        Err(format!("{NOT_HOME}: another station is in the way of {}", self.name(at)))
     }
 
     /// What the coordinator and the stations say of themselves.
@@ -215,8 +233,7 @@ impl World {
             let (marking, waits) = (controller.marking().collect::<Vec<_>>(), controller.blocked_by(&self.line, clock));
             let (generation, mode) = (controller.generation(), controller.mode());
             let id = StationId::at(at);
-            let axes = (0..self.line.station(id).axes.len())
-                .map(|axis| self.plant.position(id, linewright_line::AxisId::at(axis)));
+            let axes = (0..self.line.station(id).axes.len()).map(|axis| self.plant.position(id, AxisId::at(axis)));
             let stands: Vec<String> = axes.map(|position| format!("{position:.2}")).collect();
             let stands = stands.join(", ");
             why.push(format!(
@@ -258,7 +275,7 @@ impl World {
             for &op in &station.steps[step] {
                 let motion = &station.operations[op.index()].motion;
                 let is_in = before.iter().enumerate().all(|(axis, &from)| {
-                    let position = self.plant.position(id, linewright_line::AxisId::at(axis));
+                    let position = self.plant.position(id, AxisId::at(axis));
                     let of_axis =
                         |op: &&linewright_line::OpId| station.operations[op.index()].motion.axis.index() == axis;
                     let end = |op: &linewright_line::OpId| {

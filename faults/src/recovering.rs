@@ -60,7 +60,7 @@ impl World {
                 if waits > WAITS.1 {
                     return Err(format!("the plan waits without an end: {}", self.described(&plan)));
                 }
-                self.see_to(need, waits);
+                self.see_to(need, waits)?;
                 left = None;
                 continue;
             }
@@ -102,23 +102,24 @@ impl World {
     }
 
     /// What the machine or a person beside it has to do.
-    fn see_to(&mut self, need: &Need, waits: usize) {
+    fn see_to(&mut self, need: &Need, waits: usize) -> Result<(), String> {
         self.note(format!("the operator sees to {need:?}"));
-        if let Need::Axis { station, op, input } = *need {
-            self.put_back(station, op, input);
+        if let Need::Axis { station, op, input, conflicts } = need {
+            let put = self.put_back(*station, *op, *input);
+            // The step names what to look at first.
+            put.map_err(|text| if conflicts.is_empty() { format!("the plan does not name it: {text}") } else { text })?;
         }
         if let (Need::Heard(_), true) = (need, waits.is_multiple_of(WAITS.0)) {
             self.start_again();
         }
         self.run_for(Duration::from_secs(2));
+        Ok(())
     }
 
     /// Puts an axis back onto a switch by hand.
-    fn put_back(&mut self, station: StationId, op: OpId, input: InputId) {
-        let Some((axis, at)) = switch_at(&self.line, station, op, input) else { return };
-        let now = self.now;
-        self.plant.place(now, station, axis, at);
-        self.look_at_devices(station.index());
+    fn put_back(&mut self, station: StationId, op: OpId, input: InputId) -> Result<(), String> {
+        let Some((axis, at)) = switch_at(&self.line, station, op, input) else { return Ok(()) };
+        self.put_by_hand(station.index(), &[(axis, at)])
     }
 
     fn do_step(&mut self, step: &RecoveryStep) {

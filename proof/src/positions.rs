@@ -3,7 +3,7 @@
 //! Two stations of one conflict, with their axes where they physically are. Any motion of either may be commanded at
 //! any moment, in any order and from any place, forward, back or on a recovery path, may miss its end and stop
 //! anywhere: so this covers every marking, every count, a lost memory, a restart, and any mode. Only the controller's
-//! conditions on measured positions ([`Program::guards`], [`Program::rest_inputs`]) keep a motion from starting or
+//! conditions on measured positions ([`Program::guards`], [`Program::off_at_rest`]) keep a motion from starting or
 //! going on, and a switch is on exactly where its axis stands at it.
 //!
 //! ```text
@@ -315,7 +315,7 @@ impl PositionSide {
     }
 
     fn is_placed(&self, command: &MotionCommand, own: u128) -> bool {
-        command.path.is_some() || self.program.rest_inputs(command.place) & !own == 0
+        command.path.is_some() || self.program.off_at_rest(command.place, own) == 0
     }
 
     fn where_text(&self, axis: usize, at: u16) -> String {

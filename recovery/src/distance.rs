@@ -7,6 +7,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use linewright_line::net::StationPlace;
 use linewright_line::{Line, StationId};
 use linewright_station_logic::{Controller, PanelCommand, Restore, Rules, StationInput};
 use rustc_hash::FxHashMap;
@@ -106,11 +107,10 @@ impl<'l> Distances<'l> {
     /// In manual, without the others. Where no image is given, that of home.
     fn alone(&self, controller: Controller, bits: Option<u128>) -> PlayedStation {
         let id = controller.station();
-        let home = || {
-            self.line.station(id).rest_inputs(linewright_line::net::StationPlace::completed(self.line.station(id).home))
-        };
+        let described = self.line.station(id);
+        let home = || image::at_rest(described, StationPlace::completed(described.home));
         let mut unit = PlayedStation::new(controller.with_rules(ALONE));
-        let switch = self.line.operation((id, self.line.station(id).home)).normal.complete.bit();
+        let switch = described.operations[described.home.index()].normal.complete.bit();
         unit.take(whole_image(bits.unwrap_or_else(|| home() | switch) | self.seen[id.index()]));
         let epoch = unit.report.mode_epoch + 1;
         unit.take(StationInput::Order(in_manual(epoch)));

@@ -104,6 +104,11 @@ pub(crate) fn put_onto(station: &Station, image: u128, switch: u128) -> u128 {
     same.fold(image, |image, op| image & !ends(station, op).fold(0, |bits, (_, end)| bits | end)) | switch
 }
 
+/// The switches of the axes that stand still by the chart while a place is marked, all of them on.
+pub(crate) fn at_rest(station: &Station, place: StationPlace) -> u128 {
+    station.rest_alternatives(place).into_iter().fold(station.rest_inputs(place), |bits, any| bits | any)
+}
+
 /// The report of a task-driven station when it has ended the task under way, as by its order in auto.
 pub(crate) fn end_task(station: &Station, report: &mut StationReport) {
     let marked = station.op_ids().find(|op| report.places.get(op.index()).is_some_and(|&number| number != 0));
@@ -117,7 +122,7 @@ pub(crate) fn end_task(station: &Station, report: &mut StationReport) {
     let ops = station.op_ids().filter(|&op| goes(station, op));
     let switches = ops.fold(0, |bits, op| ends(station, op).fold(bits, |bits, (_, end)| bits | end));
     let (complete, _) = motion(station, last);
-    report.measured = (report.measured & !switches) | station.rest_inputs(last) | complete.complete.bit();
+    report.measured = (report.measured & !switches) | at_rest(station, last) | complete.complete.bit();
     report.incomplete.clear();
     (report.at_home, report.stopped, report.position_lost) = (true, true, None);
 }

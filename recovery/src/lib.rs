@@ -23,6 +23,7 @@
 
 mod beside;
 mod bring;
+mod by_hand;
 mod desk;
 mod distance;
 mod ends;

@@ -9,11 +9,12 @@ use linewright_station_logic::StationReport;
 
 use crate::beside;
 use crate::bring;
+use crate::by_hand;
 use crate::desk::Desk;
 use crate::ends::{CommonEnds, LedActivity};
 use crate::first::{before_all, fault_signals, held, planned};
 use crate::image;
-use crate::restore::{RestoreMisfit, is_unknown, unit, unplaced};
+use crate::restore::{RestoreMisfit, is_unknown, unit};
 use crate::search::{Move, Search};
 use crate::situation::{LineSituation, StandingAlarm};
 use crate::step::{Need, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
@@ -199,7 +200,7 @@ fn planned_now(line: &Line, situation: &LineSituation, led: Vec<StationId>) -> R
         }
     }
     // Each axis that has to be put back by hand is one more round.
-    let mut by_hand = Vec::new();
+    let mut axes = Vec::new();
     loop {
         let units: Result<PlayedStations, RestoreMisfit> =
             line.station_ids().zip(&reports).map(|(id, report)| unit(line, id, report).map(Rc::new)).collect();
@@ -217,20 +218,19 @@ fn planned_now(line: &Line, situation: &LineSituation, led: Vec<StationId>) -> R
         let mut found = brought.unwrap_or_else(|| by_commands_and_presses(line, situation, &led, units));
         let is_open = matches!(found.end, RecoveryEnd::NoWay { .. });
         let unplaced = || {
-            let stations = line.station_ids().zip(&reports);
-            stations.into_iter().find_map(|(id, report)| unplaced(line, id, report).map(|(op, input)| (id, op, input)))
+            line.station_ids().find_map(|id| by_hand::unplaced(line, id, &reports).map(|(op, input)| (id, op, input)))
         };
         if is_open
             && let Some((station, op, input)) = lost.first().copied().or_else(unplaced)
-            && by_hand.len() < line.stations.len() * 4
+            && axes.len() < line.stations.len() * 4
         {
-            by_hand.push(first(Need::Axis { station, op, input }));
+            axes.push(first(by_hand::need(line, (station, op, input), &reports)));
             let report = &mut reports[station.index()];
             report.measured = image::put_onto(line.station(station), report.measured, input.bit());
             report.position_lost = (lost.iter().filter(|lost| lost.0 == station).count() > 1).then_some((op, input));
             continue;
         }
-        steps.append(&mut by_hand);
+        steps.append(&mut axes);
         let is_brought = found.steps.iter().any(|step| matches!(step.action, RecoveryAction::Hold { .. }));
         // Answered when what they ask for is done, and a resource is led to a rest by then.
         let last = found.steps.len() - usize::from(found.end == RecoveryEnd::Auto && !found.steps.is_empty());

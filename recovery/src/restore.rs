@@ -4,9 +4,9 @@
 //! whether it is missed where its chart has it, whether its index is in doubt, and on which recovery path it is.
 
 use linewright_line::net::{MotionStage, StationPlace};
-use linewright_line::{AxisId, InputId, Line, OpId, OperationModule, Station, StationId};
+use linewright_line::{Line, OpId, OperationModule, Station, StationId};
 use linewright_station_logic::{
-    Controller, PanelCommand, RejoinAt, Restore, Rules, StationInput, StationReport, StationSnapshot, StopCause,
+    Controller, PanelCommand, Restore, Rules, StationInput, StationReport, StationSnapshot, StopCause,
 };
 
 use crate::image;
@@ -92,46 +92,6 @@ pub(crate) fn is_unknown(station: &Station, report: &StationReport) -> bool {
     }
 }
 
-/// An axis that stands between switches, at a station that was started without its memory and whose switches fit no operation, and
-/// the switch onto which it is brought by hand. Home goes before other places, and a place after which an operation fits before both.
-pub(crate) fn unplaced(line: &Line, id: StationId, report: &StationReport) -> Option<(OpId, InputId)> {
-    let station = line.station(id);
-    if !is_unknown(station, report) || !report.devices_valid || is_confirmable(line, id, report, report.measured) {
-        return None;
-    }
-    let ops = || station.op_ids().filter(|&op| station.index_of(op).is_none());
-    let of_axis = |axis: AxisId| ops().filter(move |op| station.operations[op.index()].motion.axis == axis);
-    let on = |axis: AxisId| {
-        of_axis(axis).flat_map(|op| switches(station, op)).any(|(input, _)| report.measured & input.bit() != 0)
-    };
-    let all = ops().flat_map(|op| switches(station, op).into_iter().map(move |(input, at)| (op, input, at)));
-    let axis = |op: OpId| station.operations[op.index()].motion.axis;
-    let mut between: Vec<(OpId, InputId, f64)> = all.filter(|&(op, ..)| !on(axis(op))).collect();
-    let is_home = |&(op, _, at): &(OpId, InputId, f64)| station.axes[axis(op).index()].home == at;
-    between.sort_by_key(|of| !is_home(of));
-    let fits = |&&(_, input, _): &&(OpId, InputId, f64)| {
-        is_confirmable(line, id, report, image::put_onto(station, report.measured, input.bit()))
-    };
-    between.iter().find(fits).or(between.first()).map(|&(op, input, _)| (op, input))
-}
-
-/// The switches of an operation, each with where its axis stands then.
-fn switches(station: &Station, op: OpId) -> Vec<(InputId, f64)> {
-    let operation = &station.operations[op.index()];
-    let mut all = vec![(operation.normal.complete, operation.motion.to)];
-    if let OperationModule::Reversible { recovery, .. } = &operation.module {
-        all.push((recovery.complete, operation.motion.from));
-    }
-    all
-}
-
-/// Whether a person can confirm where the station stands with this image.
-fn is_confirmable(line: &Line, id: StationId, report: &StationReport, measured: u128) -> bool {
-    let Ok(unit) = unit(line, id, &StationReport { measured, ..report.clone() }) else { return false };
-    let within = line.station(id).op_ids().map(RejoinAt::Within);
-    std::iter::once(RejoinAt::Measured).chain(within).any(|at| unit.clone().take(StationInput::Rejoin(at)).0.is_taken())
-}
-
 /// The marked places of a report.
 fn places(station: &Station, report: &StationReport) -> Option<Vec<StationPlace>> {
     let count = station.operations.len();
@@ -146,7 +106,7 @@ fn places(station: &Station, report: &StationReport) -> Option<Vec<StationPlace>
 
 /// The image of a station that stands where its chart has it.
 fn expected(station: &Station, marked: &[StationPlace]) -> u128 {
-    marked.iter().fold(0, |bits, &place| bits | station.rest_inputs(place))
+    marked.iter().fold(0, |bits, &place| bits | image::at_rest(station, place))
 }
 
 /// The irreversible operations whose recovery path leads through these places.

@@ -37,11 +37,12 @@ impl Need {
             Need::FaultSignal(station, input) => {
                 format!("fault signal {} on: remove its cause", line.input_text(Owner::Station(*station), *input))
             }
-            Need::Axis { station, op, input } => {
+            Need::Axis { station, op, input, conflicts } => {
                 let axis = &line.station(*station).axes[line.operation((*station, *op)).motion.axis.index()].name;
                 let of = axis_of(line, *station, *input).unwrap_or(axis);
                 let input = line.input_text(Owner::Station(*station), *input);
-                format!("bring `{of}` by hand, with its drive off, onto {input}")
+                let way: String = conflicts.iter().map(|&conflict| in_the_way_text(line, conflict, *station)).collect();
+                format!("bring `{of}` by hand, with its drive off, onto {input}{way}")
             }
             Need::Selector(station, input) => {
                 format!(
@@ -120,6 +121,13 @@ fn stand_text(line: &Line, station: StationId, place: StationPlace) -> String {
         Some(_) => format!("{text}: {axis} at {switch}"),
         None => format!("{text}: {axis} at {to}, {switch} on"),
     }
+}
+
+/// What to look at before an axis is brought by hand to where another station may stand.
+fn in_the_way_text(line: &Line, conflict: usize, station: StationId) -> String {
+    let conflict = &line.conflicts[conflict];
+    let other = if conflict.a.station == station { conflict.b.station } else { conflict.a.station };
+    format!("; look first whether {} is in its way there ({})", line.station(other).name, conflict.why)
 }
 
 /// The axes that none of these places has moved, with where they stand: they are confirmed too. Each e.g. `; ram at 0, LS_top on`.

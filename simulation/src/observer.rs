@@ -20,6 +20,7 @@ const TOLERANCE: f64 = 0.002;
 type Ranges = Vec<(f64, f64)>;
 
 /// One station's part in a conflict.
+#[derive(Clone)]
 struct ObservedSide {
     station: StationId,
     axes: usize,
@@ -41,6 +42,7 @@ pub struct SeenConflict {
 }
 
 /// The observer of all conflicts of a line.
+#[derive(Clone)]
 pub struct ConflictObserver {
     pairs: Vec<[ObservedSide; 2]>,
     holds: Vec<bool>,

@@ -107,9 +107,14 @@ impl Station {
     /// without a way is left out, for its completion is no position. Where several inputs measure one place none is given:
     /// each has a reach of its own, and a motion that ends in the wider one may not have come to the narrower.
     pub fn switches_at(&self, axis: AxisId, at: f64) -> u128 {
-        let here = self.completions().filter(|&(of, place, _)| of == axis && same_place(place, at));
-        let bits = here.fold(0, |bits, (_, _, input)| bits | input);
+        let bits = self.inputs_at(axis, at);
         if bits.count_ones() == 1 { bits } else { 0 }
+    }
+
+    /// The completion inputs of the motions with a way that end there.
+    fn inputs_at(&self, axis: AxisId, at: f64) -> u128 {
+        let here = self.completions().filter(|&(of, place, _)| of == axis && same_place(place, at));
+        here.fold(0, |bits, (_, _, input)| bits | input)
     }
 
     /// The switches of the axis at its other places, each of one place alone and of no other axis.
@@ -249,6 +254,19 @@ impl Station {
     /// operation itself is at rest, its own end is among them; while it moves, or was stopped, it is not. It does not hold on a
     /// recovery path, which begins wherever a fault has left the mechanism.
     pub fn rest_inputs(&self, place: StationPlace) -> u128 {
+        self.at_rest(place).fold(0, |bits, (axis, at)| bits | self.switches_at(axis, at))
+    }
+
+    /// The inputs of which one at least must be on while this place is marked: for every axis that stands still there at a
+    /// place that several inputs measure. The last motion that ended there ended by one of them. As for
+    /// [`Station::rest_inputs`], not on a recovery path. Endless axes are left out.
+    pub fn rest_alternatives(&self, place: StationPlace) -> Vec<u128> {
+        let straight = self.at_rest(place).filter(|&(axis, _)| self.axes[axis.index()].index.is_none());
+        straight.map(|(axis, at)| self.inputs_at(axis, at)).filter(|bits| bits.count_ones() > 1).collect()
+    }
+
+    /// The axes that stand still while this place is marked, with where they stand.
+    fn at_rest(&self, place: StationPlace) -> impl Iterator<Item = (AxisId, f64)> + '_ {
         let step = self.step_of(place.op);
         let mut at = self.positions_before_steps().swap_remove(step);
         let motion = self.operations[place.op.index()].motion;
@@ -260,12 +278,12 @@ impl Station {
         if let Some(own) = own {
             at[motion.axis.index()] = own;
         }
-        let rests = |axis: usize| match own {
+        let rests = move |axis: usize| match own {
             Some(_) if axis == motion.axis.index() => true,
             Some(_) | None => axis != motion.axis.index() && !self.moves_in_step(step, axis),
         };
-        let axes = at.iter().enumerate().filter(|&(axis, _)| rests(axis));
-        axes.fold(0, |bits, (axis, &at)| bits | self.switches_at(AxisId::at(axis), at))
+        let axes = at.into_iter().enumerate().filter(move |&(axis, _)| rests(axis));
+        axes.map(|(axis, at)| (AxisId::at(axis), at))
     }
 
     /// The steps of a stretch of the cycle, from `from` until `until`, across the end of the list where it lies so.

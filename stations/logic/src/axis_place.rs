@@ -21,7 +21,7 @@ use linewright_line::{Device, Drive, DriveIndex, Line, OpId, Owner, StationId};
 use crate::controller::Controller;
 use crate::event::PlacesApart;
 use crate::parts::{IndexProgress, RunCommand, Token};
-use crate::program::PlaceTable;
+use crate::place_table::PlaceTable;
 
 /// The places of the endless axis that a drive turns.
 #[derive(Clone, Debug)]

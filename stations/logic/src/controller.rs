@@ -322,10 +322,9 @@ impl Controller {
     fn confirm_home(&mut self) {
         self.marking.unconfirmed = false;
         let home = self.program.home;
-        let at_rest =
-            if self.rules.positions { self.program.places[usize::from(self.program.home_place)].rest } else { 0 };
-        let needed = self.home_switch() | (at_rest & !self.unreferenced());
-        if self.image.bits & needed != needed {
+        let home_place = &self.program.places[usize::from(self.program.home_place)];
+        let off_at_rest = if self.rules.positions { home_place.off_at_rest(self.image.bits) } else { 0 };
+        if (self.home_switch() & !self.image.bits) | (off_at_rest & !self.unreferenced()) != 0 {
             self.stand_at(&[StationPlace::incomplete(home)]);
             self.marking.placed = false;
             self.counts.done[home.index()] -= 1;

@@ -53,7 +53,7 @@ impl Controller {
                 deadline = deadline.min(token.deadline);
             }
             outputs |= table.lamp;
-            self.image.watched |= table.complete | table.behind | table.fault | table.rest | table.turns;
+            self.image.watched |= table.complete | table.behind | table.fault | table.watched_at_rest() | table.turns;
         }
         // A motion that begins is a new image even if the outputs are the same: inputs are needed that were taken under
         // it.

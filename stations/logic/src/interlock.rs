@@ -44,9 +44,9 @@ impl Program {
         })
     }
 
-    /// The inputs that must be on while this place is marked, but for a recovery path.
-    pub fn rest_inputs(&self, place: StationPlace) -> u128 {
-        self.places[usize::from(self.index_of(place))].rest
+    /// The inputs that are off in this image and would have to be on while this place is marked, but for a recovery path.
+    pub fn off_at_rest(&self, place: StationPlace, image: u128) -> u128 {
+        self.places[usize::from(self.index_of(place))].off_at_rest(image)
     }
 }
 
@@ -117,7 +117,11 @@ impl Controller {
 
     /// The switches of axes that stand still while this token stands where it does, and that are off.
     pub(crate) fn rest_off(&self, token: &Token) -> u128 {
-        if self.claims_rest(token) { self.program.places[usize::from(token.place)].rest & !self.image.bits } else { 0 }
+        if self.claims_rest(token) {
+            self.program.places[usize::from(token.place)].off_at_rest(self.image.bits)
+        } else {
+            0
+        }
     }
 
     /// Whether the axes that stand still by the chart are to be measured where it has them.
@@ -131,7 +135,7 @@ impl Controller {
 
     fn rest_missing(&self, place: u16) -> Option<(OpId, InputId)> {
         let table = &self.program.places[usize::from(place)];
-        first_missing(table.place.op, table.rest & !self.image.bits & !self.disregarded(place))
+        first_missing(table.place.op, table.off_at_rest(self.image.bits) & !self.disregarded(place))
     }
 
     /// Reason why the motions that a transition starts may not start; none where they may, or where it starts none.

@@ -72,6 +72,7 @@ mod order;
 mod panel;
 mod parts;
 mod peer_set;
+mod place_table;
 mod position_guard;
 mod program;
 mod rejoin;

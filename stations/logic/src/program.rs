@@ -5,8 +5,6 @@
 //! causal arrows, the neighbours of a concurrent operation — is looked at only once the masks match. The conditions
 //! themselves are [`linewright_line::net`]'s; this module changes their form and nothing else.
 
-use std::time::Duration;
-
 use linewright_line::net::{
     Block, Conjunction, ControlMode, Literal, MotionStage, StationNet, StationPlace, TransitionKind, Var,
 };
@@ -15,6 +13,7 @@ use linewright_line::{ButtonId, Line, MotionSignals, OpId, OperationModule, Rest
 use crate::axis_place::{NumberedPlaces, index_drive};
 use crate::conflict_spans::ConflictSpans;
 use crate::peer_set::{PEERS_MAX, PeerSet};
+use crate::place_table::PlaceTable;
 use crate::position_guard::{Interlocks, partners};
 use crate::tasks::StationTasks;
 
@@ -86,38 +85,6 @@ pub(crate) struct ConditionRow {
     pub starts: bool,
     /// Takes counts back: needs the agreement of the stations that build on them.
     pub withdraws: bool,
-}
-
-/// Outputs and watched inputs of a place.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PlaceTable {
-    pub place: StationPlace,
-    /// Range of its rows, for each mode.
-    pub rows: [(u16, u16); 6],
-    /// The actuator, while operating.
-    pub actuator: u128,
-    /// The fault lamp, while incomplete.
-    pub lamp: u128,
-    /// The completion input, while operating.
-    pub complete: u128,
-    /// The switch of the end that the motion leaves, while operating; 0 where there is none.
-    pub behind: u128,
-    /// The fault input, while operating.
-    pub fault: u128,
-    /// Time limit of the motion.
-    pub watchdog: Duration,
-    /// The switch of an index, while it is under way: operating or stopped. 0 elsewhere.
-    pub turns: u128,
-    /// An index that is complete after less than this is in doubt.
-    pub least: Duration,
-    /// Of an index: a drive measures at which place its axis stands.
-    pub is_measured: bool,
-    /// This motion ends where its axis stands while the index of the station turns, as that of a bolt that is drawn.
-    pub frees: bool,
-    /// The switches that are on while this place is marked: the axes that stand still there.
-    pub rest: u128,
-    /// The hand-mode button that must be held for the actuator to be driven in hand mode; 0 where no type has one.
-    pub hold: u128,
 }
 
 /// An arrow into an operation of this station.
@@ -411,6 +378,7 @@ fn compile_place(
             && index_drive(line, station).is_some_and(|(drive, _)| drive.axis == operation.motion.axis),
         frees: false,
         rest: line.station(station).rest_inputs(place),
+        rest_any: line.station(station).rest_alternatives(place).into(),
         hold: operating(hold.map_or(0, held)),
     }
 }

@@ -150,8 +150,7 @@ impl Controller {
         if self.program.measured_after[step].is_some() {
             return self.stands_after(step);
         }
-        let needed = self.program.rest_inputs(StationPlace::completed(arrival));
-        self.image.valid && self.image.bits & needed == needed
+        self.image.valid && self.program.off_at_rest(StationPlace::completed(arrival), self.image.bits) == 0
     }
 
     fn stand_in_cycle(&mut self, confirmed: Confirmed) {

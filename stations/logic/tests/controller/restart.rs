@@ -102,3 +102,26 @@ fn from_a_record_that_is_not_certain_it_is_at_home_only_if_the_devices_confirm_i
     let remembered = Rig::new(line.clone()).controller.snapshot();
     assert!(Rig::standing(line, StationId(0), 2, Restore::From(remembered), 0).report().at_home);
 }
+
+/// An axis with two switches at each of its places is there while one of them is on.
+#[test]
+fn an_axis_that_several_switches_measure_is_at_home_while_one_of_them_is_on() {
+    let mut line = alone(3, &[r(6), r(6), r(6), r(6)]);
+    for (there, back) in [(0, 1), (2, 3)] {
+        let there = line.stations[0].operations[there].motion;
+        line.stations[0].operations[back].motion = Motion { from: there.to, to: there.from, ..there };
+    }
+    let [forward, undone, back, home] = [1 << 0, 1 << 2, 1 << 4, 1 << 12];
+    let started = |image| Rig::alone(line.clone(), StationId(0), Restore::Fresh, image);
+    let is_lost = |image| started(image).controller.position_lost().is_some();
+    assert_eq!([home | back, home | undone, home | forward].map(is_lost), [false, false, true]);
+    let mut rig = started(forward);
+    assert_eq!(rig.fault(), "op 3: not at home at power-up");
+    rig.manual();
+    assert!(rig.marking()[0].is_incomplete(), "it is not led home past an axis at its other end");
+    rig.advance(false);
+    rig.set(forward, false);
+    rig.set(back, true);
+    rig.advance(true);
+    assert!(rig.marking()[0].is_operating());
+}
