@@ -44,7 +44,7 @@ mutants! {
     RecordWithoutPath, Some(8), "a station's record leaves the recovery path out";
     RequestNumbersUsedAgain, Some(3), "numbers of requests begin anew with every start";
     MemorylessBelieved, Some(10), "a station without its journal has the generation of the others";
-    HomeUnconfirmed, Some(155), "a station without its journal is at home, whatever its switches say";
+    HomeUnconfirmed, Some(101), "a station without its journal is at home, whatever its switches say, and its rests are not judged";
     LateEffects, Some(373), "what a slow record of a station held up is put out after it";
     OffAfterRecord, Some(1), "a station's outputs go off after its record";
     StopWaitsForRecord, Some(31), "an emergency stop waits for the record that is being written";
@@ -102,6 +102,7 @@ mutants! {
     BooleansInstead, Some(0), "the barrier of counts has Booleans instead of counts";
     StuckSwitchCompletes, Some(16), "a switch that sticks completes the motion to it";
     ContradictionUnseen, Some(101_178), "one switch is believed, whatever those at the other places of its axis show";
+    RestsUnjudged, Some(3), "an axis that stands still by the chart is not measured";
     PositionsOff, Some(3), "the barrier of measured positions is off";
     BarriersOff, Some(0), "both barriers are off";
     EntryNotAsked, Some(76), "without a generation in common two stations start by measured positions on one report";
@@ -126,6 +127,8 @@ impl Mutant {
             Mutant::CountsOff => Rules { arrows: false, ..all },
             Mutant::BooleansInstead => Rules { counted: false, ..all },
             Mutant::StuckSwitchCompletes => Rules { seen_off: false, ..all },
+            // Where both ends of an axis have a switch, the rests are judged too, and the claim would be seen.
+            Mutant::HomeUnconfirmed | Mutant::RestsUnjudged => Rules { rests: false, ..all },
             Mutant::ContradictionUnseen => Rules { contradicted: false, ..all },
             Mutant::PositionsOff => Rules { positions: false, ..all },
             Mutant::BarriersOff => Rules { positions: false, arrows: false, ..all },

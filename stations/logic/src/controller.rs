@@ -323,7 +323,7 @@ impl Controller {
         self.marking.unconfirmed = false;
         let home = self.program.home;
         let home_place = &self.program.places[usize::from(self.program.home_place)];
-        let off_at_rest = if self.rules.positions { home_place.off_at_rest(self.image.bits) } else { 0 };
+        let off_at_rest = if self.judges_rests() { home_place.off_at_rest(self.image.bits) } else { 0 };
         if (self.home_switch() & !self.image.bits) | (off_at_rest & !self.unreferenced()) != 0 {
             self.stand_at(&[StationPlace::incomplete(home)]);
             self.marking.placed = false;

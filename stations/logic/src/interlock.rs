@@ -129,8 +129,13 @@ impl Controller {
         let place = self.place(token);
         // A station that is not at home claims nothing of its axes until it is led there.
         let claims = !place.is_incomplete() || self.marking.causes_of_stop[place.op.index()] != StopCause::NotAtHome;
-        let is_judged = self.rules.positions && self.image.valid && self.marking.path.is_none() && claims;
+        let is_judged = self.judges_rests() && self.image.valid && self.marking.path.is_none() && claims;
         is_judged && !self.marking.unconfirmed
+    }
+
+    /// Whether axes that stand still are compared with the chart.
+    pub(crate) fn judges_rests(&self) -> bool {
+        self.rules.positions && self.rules.rests
     }
 
     fn rest_missing(&self, place: u16) -> Option<(OpId, InputId)> {
@@ -156,6 +161,7 @@ impl Controller {
                 return Some(self.interlock(&guard));
             }
             if path.is_none()
+                && self.judges_rests()
                 && let Some((op, input)) = self.rest_missing(to)
             {
                 return Some(StopCause::PositionLost { op, input });
@@ -180,7 +186,7 @@ impl Controller {
                 return Some(cause);
             }
         }
-        let checked = self.rules.positions && self.image.valid && self.marking.path.is_none();
+        let checked = self.judges_rests() && self.image.valid && self.marking.path.is_none();
         let lost = if checked { self.rest_missing(token.place) } else { None };
         lost.map(|(op, input)| StopCause::PositionLost { op, input })
     }

@@ -26,6 +26,8 @@ pub struct Rules {
     pub generations: bool,
     /// Measured positions are the second barrier (see `interlock`). Off: counts alone.
     pub positions: bool,
+    /// An axis that stands still by the chart is measured there (see `interlock`). Off: wherever it is.
+    pub rests: bool,
     /// A switch at another place of an axis contradicts the one that measures it clear. Off: the one is believed.
     pub contradicted: bool,
     /// In manual a motion that relies on measured positions alone starts by agreement (see `entry`). Off: two stations may start
@@ -54,6 +56,7 @@ impl Rules {
         home_waits: true,
         generations: true,
         positions: true,
+        rests: true,
         contradicted: true,
         entry: true,
         arrows: true,
