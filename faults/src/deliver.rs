@@ -85,7 +85,9 @@ impl World {
                 }
             }
             Message::Command(command) if to >= self.stations.len() => {
-                self.observer.commanded(to, *command);
+                let shell = self.coordinators[to - self.stations.len()].shell.as_ref();
+                let is_stopped = shell.is_some_and(|shell| shell.coordinator().mode() == ControlMode::EStop);
+                self.observer.commanded(to, *command, is_stopped);
                 let is_manual = match command {
                     ModeCommand::Manual => true,
                     ModeCommand::Reset => (0..self.stations.len()).any(|at| self.selects_manual(at)),

@@ -222,8 +222,12 @@ impl Observer {
         }
     }
 
-    /// A command has been taken by a coordinator.
-    pub(crate) fn commanded(&mut self, node: usize, command: ModeCommand) {
+    /// A command has been taken by a coordinator. `is_stopped`: it is in an emergency stop, which it may have adopted from a station
+    /// that has not left one whose end was seen here.
+    pub(crate) fn commanded(&mut self, node: usize, command: ModeCommand, is_stopped: bool) {
+        if command == ModeCommand::Reset && is_stopped && self.stop.is_none() && !self.is_ending {
+            self.begin_stop();
+        }
         match (command, &mut self.stop) {
             (ModeCommand::EStop, _) => {
                 self.is_ending = false;
