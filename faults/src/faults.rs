@@ -238,7 +238,8 @@ impl World {
         // A stranger that takes the very life, epoch and number of the coordinator cannot be told from it.
         let epoch = match epoch {
             ForgedEpoch::Zero => 0,
-            ForgedEpoch::Next if is_followed && !is_long => newest.saturating_add(EPOCH_JUMP_MAX).saturating_add(1),
+            // It goes on while the message is under way.
+            ForgedEpoch::Next if is_followed && !is_long => newest.saturating_add(2 * EPOCH_JUMP_MAX),
             ForgedEpoch::Next => newest.saturating_add(1),
             ForgedEpoch::Last => u64::MAX,
         };
