@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::Args;
 use linewright_line::{Parameter, Station, StationId};
@@ -33,8 +34,12 @@ pub struct RejoinArgs {
     #[arg(long, value_name = "REST", conflicts_with = "within")]
     rest: Option<String>,
     /// Number of a parameter of the task that it stands in, e.g. slot=2; each of them.
-    #[arg(long, value_name = "NAME=NUMBER")]
-    with: Vec<String>,
+    #[arg(long, value_name = "NAME=NUMBER", value_parser = number)]
+    with: Vec<(Arc<str>, i32)>,
+}
+
+fn number(text: &str) -> Result<(Arc<str>, i32), String> {
+    Confirmation::number(text).map_err(|error| error.to_string())
 }
 
 /// `linewright rejoin`
@@ -43,8 +48,7 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     let id = load::station(&line, &args.station)?;
     let station = line.station(id);
     let at = place(station, &args)?;
-    let numbers = args.with.iter().map(|text| Confirmation::number(text)).collect::<Result<Vec<_>, _>>();
-    let confirmation = Confirmation { at, numbers: numbers.map_err(|error| miette!("{error}"))? };
+    let confirmation = Confirmation { at, numbers: args.with.clone() };
     check_numbers(station, &confirmation)?;
     let mut client = OperatorClient::open(&line, &args.line, ros, "operator")?;
     let publisher = client.rejoin(id)?;
@@ -75,14 +79,16 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
 fn place(station: &Station, args: &RejoinArgs) -> miette::Result<RejoinAt> {
     if let Some(name) = &args.within {
         let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
-        let unknown = || miette!("unknown operation '{name}' of {}; operations: {}", station.name, names.join(", "));
+        let error = || miette!("unknown operation '{name}' of {}; operations: {}", station.name, names.join(", "));
+        let unknown = || load::or_meant(error(), name, names.iter().copied());
         return station.operation_named(name).map(RejoinAt::Within).ok_or_else(unknown);
     }
     let Some(name) = &args.rest else { return Ok(RejoinAt::Measured) };
     let names: Vec<&str> = station.rests.iter().map(|rest| rest.name.as_str()).collect();
     let known =
         if names.is_empty() { "it is not task-driven".to_owned() } else { format!("rests: {}", names.join(", ")) };
-    let unknown = || miette!("unknown rest '{name}' of {}; {known}", station.name);
+    let unknown =
+        || load::or_meant(miette!("unknown rest '{name}' of {}; {known}", station.name), name, names.iter().copied());
     station.rest_named(name).map(RejoinAt::Rest).ok_or_else(unknown)
 }
 
@@ -95,17 +101,20 @@ fn check_numbers(station: &Station, confirmation: &Confirmation) -> miette::Resu
     let tasks = station.task_ids().filter(|id| task.is_none_or(|task| task == *id));
     let known: Vec<&Parameter> = tasks.flat_map(|id| &station.task(id).parameters).collect();
     let mut names: Vec<&str> = known.iter().map(|of| of.name.as_str()).collect();
+    names.sort_unstable();
     names.dedup();
     for (name, number) in &confirmation.numbers {
         let mut most = known.iter().filter(|of| *of.name == **name).map(|of| of.most());
         let Some(first) = most.next() else {
             let of = task.map_or_else(|| station.name.clone(), |task| format!("task `{}`", station.task(task).name));
-            let names = if names.is_empty() { "it has none".to_owned() } else { names.join(", ") };
-            return Err(miette!("unknown parameter '{name}' of {of}; parameters: {names}"));
+            let all = if names.is_empty() { "it has none".to_owned() } else { names.join(", ") };
+            let error = miette!("unknown parameter '{name}' of {of}; parameters: {all}");
+            return Err(load::or_meant(error, name, names));
         };
         let most = most.fold(first, i32::max);
         if !(0..=most).contains(number) {
-            return Err(miette!("{name}={number} does not fit the outputs of `{name}`: 0 to {most}"));
+            let text = format!("{name}={number} does not fit the outputs of `{name}`: 0 to {most}");
+            return Err(load::WrongArgument::new(text).into());
         }
     }
     Ok(())
