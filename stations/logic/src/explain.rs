@@ -163,7 +163,7 @@ impl Controller {
                 _ => {}
             }
         }
-        (advance, back)
+        (advance, back.filter(|_| !self.is_not_taken_back(place)))
     }
 
     /// The way back of a station that has lost its memory, or an axis of which is not where its chart has it.

@@ -149,6 +149,14 @@ impl Controller {
         task.map_or(&[], |task| &task.parameters)
     }
 
+    /// Whether this place is not to be taken back from. Switched on away from home the station is led home by its last operation; back from
+    /// there leads through a task of which neither the place nor the parameters are known, until both are confirmed.
+    pub(crate) fn is_not_taken_back(&self, place: StationPlace) -> bool {
+        let task = self.task_of(place.op).filter(|&task| self.known_parameters(task).is_none());
+        let table = task.zip(self.program.tasks.as_ref()).map(|(task, tasks)| tasks.task(task));
+        table.is_some_and(|table| !table.parameters.is_empty()) && self.is_not_at_home()
+    }
+
     /// Whether its position is lost or unknown.
     pub(crate) fn is_to_be_confirmed(&self) -> bool {
         let is_unknown = match self.program.tasks {

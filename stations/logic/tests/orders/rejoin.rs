@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::PanelCommand::{Advance, Retract};
 use linewright_station_logic::{Handled, Ignored, RejoinAt, Restore, StationInput};
 
-use super::bench::{OrderBench, order};
+use super::bench::{MEMORY, OrderBench, order};
 
 /// By its journal it holds a part; its switches are these.
 fn clamped_by_its_journal(on: &[&str]) -> OrderBench {
@@ -126,6 +127,28 @@ fn within_a_task_its_parameters_are_confirmed_with_the_place_and_are_on_again() 
         let actuator = if way == Advance(true) { "Y_in" } else { "Y_out" };
         assert_eq!(m1.on(), [actuator, "prog_1", "prog_4"], "{:?}", m1.blocked_by());
     }
+}
+
+/// Switched on away from home without its journal it is taken back only after it was confirmed: by *return* it went back through a task
+/// whose slot was not known, and opened its hand there.
+#[test]
+fn it_is_not_taken_back_through_a_task_whose_numbers_are_not_known() {
+    let mut robot = OrderBench::standing(StationId(1), Restore::Fresh, MEMORY, &["G_0"]);
+    robot.mode(ControlMode::Manual);
+    assert_eq!(robot.doing(), "home from m1 (stopped)");
+    robot.hold(&[Retract(true)]);
+    assert_eq!(robot.outputs, 0, "{:?}", robot.blocked_by());
+    robot.hold(&[]);
+    assert!(!robot.blocked_by().join("\n").contains("return"), "{:?}", robot.blocked_by());
+    let within: RejoinAt = robot.line.station(robot.station).operation_named("home from m1").into();
+    assert!(rejoin_with(&mut robot, within, &[("slot", 3)]).is_taken());
+    robot.hold(&[Retract(true)]);
+    assert!(robot.outputs != 0 && robot.on().contains(&"slot_1"), "{:?} {:?}", robot.on(), robot.blocked_by());
+    // To go on home it needs no number.
+    let mut robot = OrderBench::standing(StationId(1), Restore::Fresh, MEMORY, &["G_0"]);
+    robot.mode(ControlMode::Manual);
+    robot.through(Advance(true));
+    assert_eq!(robot.rest().as_deref(), Some("home"));
 }
 
 #[test]
