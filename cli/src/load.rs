@@ -1,5 +1,6 @@
 //! Reading a description from disk.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use linewright_line::{Line, Problem, StationId};
@@ -137,9 +138,35 @@ pub fn station(line: &Line, name: &str) -> miette::Result<StationId> {
 
 /// The error about an unknown word, with the known one that is probably meant.
 pub fn or_meant<'a>(error: miette::Report, word: &str, known: impl IntoIterator<Item = &'a str>) -> miette::Report {
-    match linewright_text::nearest(word, known) {
-        Some(near) => miette!(help = format!("did you mean `{near}`?"), "{error}"),
-        None => error,
+    let near = linewright_text::nearest(word, known).map(|near| format!("did you mean `{near}`?"));
+    let help = near.or_else(|| error.help().map(|help| help.to_string()));
+    WrongArgument { text: error.to_string(), help }.into()
+}
+
+/// An argument that names nothing there is: the command ends with the exit code of every wrong argument.
+#[derive(Debug)]
+pub struct WrongArgument {
+    text: String,
+    help: Option<String>,
+}
+
+impl WrongArgument {
+    pub fn new(text: impl Into<String>) -> Self {
+        WrongArgument { text: text.into(), help: None }
+    }
+}
+
+impl Display for WrongArgument {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl std::error::Error for WrongArgument {}
+
+impl miette::Diagnostic for WrongArgument {
+    fn help(&self) -> Option<Box<dyn Display + '_>> {
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn Display>)
     }
 }
 
@@ -151,7 +178,9 @@ mod tests {
     fn an_unknown_station_is_answered_with_the_one_that_is_meant() {
         let text = linewright_line::TransferLine::default().text();
         let line = linewright_line::parse("line.toml", &text).expect("it parses").line;
-        let help = |name| station(&line, name).expect_err("there is none").help().map(|help| help.to_string());
+        let wrong = |name| station(&line, name).expect_err("there is none");
+        assert!(wrong("transfre").is::<WrongArgument>(), "it ends with 2");
+        let help = |name| wrong(name).help().map(|help| help.to_string());
         assert_eq!(help("transfre").as_deref(), Some("did you mean `transfer`?"));
         assert_eq!(help("oven"), None);
     }

@@ -157,7 +157,7 @@ fn command() -> ExitCode {
         Ok(code) => code,
         Err(error) => {
             crate::out::complain!("{error:?}");
-            ExitCode::FAILURE
+            if error.is::<load::WrongArgument>() { ExitCode::from(2) } else { ExitCode::FAILURE }
         }
     }
 }

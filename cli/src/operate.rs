@@ -69,7 +69,8 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     };
     if args.wait && command != Some(ModeCommand::Stop) {
         let line = crate::out::shell_word(&args.line.display().to_string());
-        return Err(miette!("--wait goes with stop: linewright mode {line} stop --wait"));
+        let text = format!("--wait goes with stop: linewright mode {line} stop --wait");
+        return Err(load::WrongArgument::new(text).into());
     }
     let single = args.station.as_deref().map(|name| single::meant(&line, name, command)).transpose()?;
     let mut client = OperatorClient::open(&line, &args.line, ros, "operator")?;

@@ -24,8 +24,10 @@ use crate::interrupts::Interrupts;
 use crate::load;
 use crate::watch::{Screen, refusal};
 use json::RecoveryJson;
-use newest::{NewestPlan, ReasonedPlan};
-use progress::{PressFailures, behind_signals, newly_done};
+pub use newest::NewestPlan;
+use newest::ReasonedPlan;
+pub use progress::behind_signals;
+use progress::{PressFailures, newly_done};
 
 /// Time within which all are to be received.
 const HEARD_WITHIN: Duration = Duration::from_secs(5);

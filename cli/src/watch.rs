@@ -4,7 +4,9 @@
 //! `watch` shows it for a line that runs anywhere; `run` shows the same for the line it has started.
 
 pub mod cell;
+mod next;
 
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -23,9 +25,11 @@ use crate::cell::CellClient;
 use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
 use crate::load;
+use crate::recover::NewestPlan;
 use crate::run::chart::RollingChart;
 use crate::states::LineJson;
 use cell::{CellWatchJson, ReasonsByResource};
+use next::NextStep;
 
 /// Options of `watch`.
 #[derive(Debug, ClapArgs)]
@@ -69,6 +73,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
                 asked = Some(Box::pin(cell.reasons(down)));
             },
             _ = ticks.tick() => {
+                view.look(&client, cell.as_ref());
                 let state = cell.as_ref().and_then(CellClient::heard_lately);
                 screen.show(&view.picture(&client, state, Screen::size()))?;
             }
@@ -95,6 +100,7 @@ async fn once(
     while let Ok(heard) = tokio::time::timeout_at(until, client.next()).await {
         drop(view.take(&heard?));
     }
+    view.look(client, cell.as_ref());
     let state = cell.as_ref().and_then(CellClient::heard_lately);
     if args.json {
         let cell = state.map(|state| CellWatchJson::of(state, &view.out_of_service));
@@ -147,6 +153,9 @@ pub struct WatchState {
     pub out_of_service: ReasonsByResource,
     /// A single picture has none: it would show only what was received while it was made.
     has_chart: bool,
+    newest: NewestPlan,
+    /// What comes next, where a position is to be confirmed.
+    next: Option<NextStep>,
 }
 
 /// Seconds since the Unix epoch, as the stamps count them.
@@ -164,6 +173,8 @@ impl WatchState {
             head: Vec::new(),
             out_of_service: ReasonsByResource::new(),
             has_chart: true,
+            newest: NewestPlan::default(),
+            next: None,
         }
     }
 
@@ -208,8 +219,15 @@ impl WatchState {
         cell: Option<&CellState>,
         (width, height): (usize, usize),
     ) -> Vec<String> {
-        let stations = self.line.station_ids().map(|id| (self.line.station(id).name.as_str(), client.station(id)));
+        let shown = |id| {
+            client.station(id).map(|state| self.next.as_ref().map_or(Cow::Borrowed(state), |of| of.shown(id, state)))
+        };
+        let known: Vec<Option<Cow<'_, StationState>>> = self.line.station_ids().map(shown).collect();
+        let stations = self.line.stations.iter().zip(&known).map(|(of, state)| (of.name.as_str(), state.as_deref()));
         let mut states = mode(&self.line.title, client.coordinator(), client.coordinator_unheard_for(), width);
+        let next = self.next.iter().flat_map(|next| wrapped(&next.line(), 4, width));
+        // Above the empty line.
+        states.splice(states.len() - 1..states.len() - 1, next);
         let others = client.other_descriptions();
         states.splice(0..0, others.iter().flat_map(|text| wrapped(text, 4, width)));
         match cell {

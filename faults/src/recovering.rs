@@ -147,7 +147,7 @@ impl World {
                 unreachable!("{station:?}: a line without a cell has no manual beside auto, and no alarm")
             }
             RecoveryAction::Selector(station, manual) => self.say_selector(station.index(), *manual),
-            RecoveryAction::Rejoin { station, at, or_within } => {
+            RecoveryAction::Rejoin { station, at, or_within, .. } => {
                 let at = self.seen_place(*station, *at, or_within);
                 self.say_rejoin(station.index(), at);
             }

@@ -202,7 +202,7 @@ impl World {
             }
             Message::Inputs(image) => shell.handle(local, StationArrival::Inputs(*image), &mut effects),
             Message::Panel(command) => shell.handle(local, StationArrival::Panel(*command), &mut effects),
-            Message::Rejoin(place) => shell.handle(local, StationArrival::Rejoin(*place), &mut effects),
+            Message::Rejoin(place) => shell.handle(local, StationArrival::Rejoin(*place, &[]), &mut effects),
             Message::Outputs { .. } | Message::Command(_) | Message::Buttons(_) | Message::Resume(_) => {}
         }
     }

@@ -2,6 +2,7 @@
 //!
 //! - [`report_to_message`], [`report_from_message`], [`order_from_message`]: between the controller's words and the messages
 //!   that carry them;
+//! - [`Confirmation`]: where a station stands, as the text of a message;
 //! - [`open_buses`]: the field buses of a node, whichever kinds;
 //! - [`devices`]: devices on their buses as ROS 2 sees them;
 //! - [`Waiting`]: what arrives while a record is being written;
@@ -10,12 +11,14 @@
 //! It decides nothing.
 
 mod buses;
+mod confirmation;
 mod convert;
 pub mod devices;
 mod foreign;
 mod waiting;
 
 pub use buses::open_buses;
+pub use confirmation::{Confirmation, ConfirmationError};
 pub use convert::{
     ConvertError, cause_from_code, cause_to_code, kind_of, mode_from_code, mode_to_code, of_this_description,
     order_from_message, report_from_message, report_to_message,

@@ -75,5 +75,6 @@ fn switches(station: &Station, op: OpId) -> impl Iterator<Item = AxisSwitch> + u
 fn is_confirmable(line: &Line, id: StationId, report: &StationReport, measured: u128) -> bool {
     let Ok(unit) = unit(line, id, &StationReport { measured, ..report.clone() }) else { return false };
     let within = line.station(id).op_ids().map(RejoinAt::Within);
-    std::iter::once(RejoinAt::Measured).chain(within).any(|at| unit.clone().take(StationInput::Rejoin(at)).0.is_taken())
+    let is_taken = |at| unit.clone().take(StationInput::Rejoin(at, &unit.any_numbers(at))).0.is_taken();
+    std::iter::once(RejoinAt::Measured).chain(within).any(is_taken)
 }

@@ -266,14 +266,21 @@ impl<'f, 'l> Search<'f, 'l> {
     fn confirmations(&self, units: &PlayedStations, station: usize) -> Vec<Move> {
         let id = StationId::at(station);
         let still = |action, after| Move::of(action, Vec::new(), Duration::ZERO, after);
+        let asked = |at| units[station].controller.numbers_to_confirm(at).to_vec();
         if let Some(after) = self.floor.rejoin(units, station, RejoinAt::Measured) {
-            let action = RecoveryAction::Rejoin { station: id, at: RejoinAt::Measured, or_within: Vec::new() };
+            let (at, parameters) = (RejoinAt::Measured, vec![asked(RejoinAt::Measured)]);
+            let action = RecoveryAction::Rejoin { station: id, at, or_within: Vec::new(), parameters };
             return vec![still(action, after)];
         }
         let within = |op: OpId| Some((op, self.floor.rejoin(units, station, RejoinAt::Within(op))?));
         let fitting: Vec<(OpId, PlayedStations)> = self.floor.line.station(id).op_ids().filter_map(within).collect();
         let others = |of: OpId| fitting.iter().map(|&(op, _)| op).filter(|&op| op != of).collect();
-        let at = |op: OpId| RecoveryAction::Rejoin { station: id, at: RejoinAt::Within(op), or_within: others(op) };
+        let at = |op: OpId| {
+            let or_within: Vec<OpId> = others(op);
+            let all = std::iter::once(op).chain(or_within.iter().copied());
+            let parameters = all.map(|op| asked(RejoinAt::Within(op))).collect();
+            RecoveryAction::Rejoin { station: id, at: RejoinAt::Within(op), or_within, parameters }
+        };
         fitting.iter().map(|(op, after)| still(at(*op), after.clone())).collect()
     }
 }

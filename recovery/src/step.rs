@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
-use linewright_line::{ButtonId, InputId, OpId, RestId, StationId};
+use linewright_line::{ButtonId, InputId, OpId, Parameter, RestId, StationId};
 use linewright_station_logic::RejoinAt;
 
 use crate::situation::StandingAlarm;
@@ -90,6 +90,8 @@ pub enum RecoveryAction {
         at: RejoinAt,
         /// Operations that its switches fit as well: which it is, the person sees.
         or_within: Vec<OpId>,
+        /// The parameters whose numbers are confirmed with each of these places, that of `at` first.
+        parameters: Vec<Vec<Parameter>>,
     },
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, MotionStage, StationPlace};
-use linewright_line::{AxisId, Line, OpId, Owner, Station, StationId};
+use linewright_line::{AxisId, Line, OpId, Owner, Parameter, Station, StationId};
 use linewright_station_logic::RejoinAt;
 
 use crate::ends::{LedActivity, LedOrder};
@@ -222,7 +222,7 @@ impl RecoveryStep {
                 let moves = self.moves.iter().map(|motion| format!("{} {}", name(motion.station), motion.text(line)));
                 format!("hold resume at the console until {}", moves.collect::<Vec<_>>().join(" and "))
             }
-            RecoveryAction::Rejoin { station, at, or_within } => {
+            RecoveryAction::Rejoin { station, at, or_within, parameters } => {
                 let op = |op: OpId| format!("`{}`", line.operation((*station, op)).name);
                 let stands = match (at, &self.after) {
                     (RejoinAt::Within(within), _) => {
@@ -249,24 +249,8 @@ impl RecoveryStep {
                     }
                     (RejoinAt::Measured | RejoinAt::Rest(_), _) => "look where it stands, then rejoin".to_owned(),
                 };
-                format!("{}: {stands}{}", name(*station), self.lost_numbers(line, *station))
+                format!("{}: {stands}{}", name(*station), numbers_text(parameters))
             }
-        }
-    }
-
-    /// After a confirmation within a task that has parameters: they are lost with the journal, and its outputs for them are off.
-    fn lost_numbers(&self, line: &Line, station: StationId) -> String {
-        let described = line.station(station);
-        let within = self.after.iter().filter(|after| !after.at_home).flat_map(|after| &after.places);
-        let mut parameters = within
-            .filter_map(|place| described.task_of(place.op))
-            .flat_map(|task| &described.task(task).parameters)
-            .map(|parameter| parameter.name.as_str());
-        match parameters.next() {
-            Some(name) => format!(
-                ". Its `{name}` is lost with its journal, and the outputs for it are off: take out what it carries before it is led on"
-            ),
-            None => String::new(),
         }
     }
 
@@ -324,22 +308,55 @@ impl RecoveryStep {
             RecoveryAction::Selector(station, manual) => {
                 words(&["press", "LINE", if *manual { "manual" } else { "auto" }, "--station", &name(*station)])
             }
-            RecoveryAction::Rejoin { station, at: RejoinAt::Measured, .. } => {
-                words(&["rejoin", "LINE", &name(*station)])
-            }
-            RecoveryAction::Rejoin { station, at: RejoinAt::Within(op), or_within } => {
-                let within = |op: &OpId| {
-                    words(&["rejoin", "LINE", &name(*station), "--within", &line.operation((*station, *op)).name])
-                };
-                return std::iter::once(op).chain(or_within).map(within).collect();
-            }
-            RecoveryAction::Rejoin { station, at: RejoinAt::Rest(rest), .. } => {
-                let rest = &line.station(*station).rests[rest.index()].name;
-                words(&["rejoin", "LINE", &name(*station), "--rest", rest])
+            RecoveryAction::Rejoin { station, at, or_within, parameters } => {
+                return rejoin_commands(line, *station, (*at, or_within), parameters);
             }
         };
         vec![one]
     }
+}
+
+/// The numbers that are confirmed with a place within a task: they are lost with the journal.
+fn numbers_text(parameters: &[Vec<Parameter>]) -> String {
+    let mut all: Vec<&Parameter> = Vec::new();
+    for parameter in parameters.iter().flatten() {
+        if !all.iter().any(|known| known.name == parameter.name) {
+            all.push(parameter);
+        }
+    }
+    let with: Vec<String> = all.iter().map(|of| format!("--with {}=N (0 to {})", of.name, of.most())).collect();
+    let names: Vec<String> = all.iter().map(|of| format!("`{}`", of.name)).collect();
+    match with.as_slice() {
+        [] => String::new(),
+        with => format!(
+            ", {}. Its {} is lost with its journal: see which one the task was for. Where nobody sees it, take out what the station carries, \
+             then any will do",
+            with.join(" "),
+            names.join(" and ")
+        ),
+    }
+}
+
+/// The confirmations of a place, or of those that the switches fit as well.
+fn rejoin_commands(
+    line: &Line,
+    station: StationId,
+    (at, or_within): (RejoinAt, &[OpId]),
+    parameters: &[Vec<Parameter>],
+) -> Vec<Vec<String>> {
+    let described = line.station(station);
+    let places = std::iter::once(at).chain(or_within.iter().map(|&op| RejoinAt::Within(op)));
+    let command = |(nth, at): (usize, RejoinAt)| {
+        let place = match at {
+            RejoinAt::Measured => None,
+            RejoinAt::Within(op) => Some(("--within", described.operations[op.index()].name.clone())),
+            RejoinAt::Rest(rest) => Some(("--rest", described.rests[rest.index()].name.clone())),
+        };
+        let numbers = parameters.get(nth).into_iter().flatten().map(|of| ("--with", format!("{}=N", of.name)));
+        let named = place.into_iter().chain(numbers).flat_map(|(key, value)| [key.to_owned(), value]);
+        ["rejoin", "LINE", &described.name].map(str::to_owned).into_iter().chain(named).collect()
+    };
+    places.enumerate().map(command).collect()
 }
 
 /// A station that has been led to an end of its task, as a reason for the others of its activity.

@@ -2,6 +2,7 @@
 
 use std::hash::{Hash, Hasher};
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_line::net::{ControlMode, MotionStage, StationPlace};
@@ -54,6 +55,11 @@ impl PlayedStation {
             self.note();
         }
         (handled, changed)
+    }
+
+    /// The numbers of a confirmation: the motions that follow are the same whichever a person gives.
+    pub fn any_numbers(&self, at: RejoinAt) -> Vec<(Arc<str>, i32)> {
+        self.controller.numbers_to_confirm(at).iter().map(|of| (of.name.as_str().into(), 0)).collect()
     }
 
     fn play(&mut self) -> bool {
@@ -274,7 +280,8 @@ impl<'l> PlayedLine<'l> {
     /// A person confirms where a station stands. None where its switches contradict, or its position is known.
     pub fn rejoin(&self, before: &PlayedStations, station: usize, at: RejoinAt) -> Option<PlayedStations> {
         let mut units = before.clone();
-        self.give(&mut units, station, StationInput::Rejoin(at)).is_taken().then_some(units)
+        let numbers = before[station].any_numbers(at);
+        self.give(&mut units, station, StationInput::Rejoin(at, &numbers)).is_taken().then_some(units)
     }
 }
 

@@ -343,6 +343,13 @@ fn a_station_that_lost_its_journal_is_led_though_no_alarm_asks() {
                 text.contains("confirmed"),
                 "{text}"
             );
+            for step in found.steps.iter().filter(|step| matches!(step.action, RecoveryAction::Rejoin { .. })) {
+                // It stands within a task: which slot that was for is confirmed with the place.
+                let (text, commands) = (step.text(&line), step.commands(&line));
+                let asks = |command: &Vec<String>| command.ends_with(&["--with".to_owned(), "slot=N".to_owned()]);
+                assert!(text.contains(", --with slot=N (0 to 7). Its `slot` is lost with its journal"), "{text}");
+                assert!(!commands.is_empty() && commands.iter().all(asks), "{commands:?}");
+            }
             (found.steps.iter().any(|step| leads(&step.action)), found.end)
         };
         assert_eq!(is_led(&seen), (false, RecoveryEnd::Auto), "out of service");

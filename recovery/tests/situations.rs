@@ -336,7 +336,8 @@ fn a_station_that_is_to_be_confirmed_is_named_with_where_it_stands() {
     let (station, op) = op(&line, 1, "advance clamp");
     let place = StationPlace { stage: MotionStage::Completed, ..StationPlace::operating(op) };
     let after = StationAfter { station, places: vec![place], at_home: false, is_in_order: true };
-    let action = RecoveryAction::Rejoin { station, at: RejoinAt::Measured, or_within: Vec::new() };
+    let action =
+        RecoveryAction::Rejoin { station, at: RejoinAt::Measured, or_within: Vec::new(), parameters: Vec::new() };
     let step =
         RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: Some(after), is_doubtful: false };
     let expected = "clamp_1: look, and if it stands so (advance clamp done: stroke at 60, LS_closed on): rejoin";

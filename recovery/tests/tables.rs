@@ -53,7 +53,12 @@ fn how_to_tell_an_index_that_is_done_from_one_that_has_not_begun_is_in_the_step(
     let before = line.station(station).operation_named("unlock").expect("it has it now");
     let name = |op: OpId| line.operation((station, op)).name.as_str();
     for (within, other) in [(op, before), (before, op)] {
-        let action = RecoveryAction::Rejoin { station, at: RejoinAt::Within(within), or_within: vec![other] };
+        let action = RecoveryAction::Rejoin {
+            station,
+            at: RejoinAt::Within(within),
+            or_within: vec![other],
+            parameters: Vec::new(),
+        };
         let said = text(&line, action, Vec::new());
         let moved = format!("moved on to the next place: --within `{}`", name(op));
         let began = format!("where it began: --within `{}`", name(before));

@@ -100,7 +100,7 @@ impl StationNode {
                 WholeMessage::Heard(_) | WholeMessage::Outputs(_) => return,
             },
             LinkPayload::Panel(command) => StationArrival::Panel(*command),
-            LinkPayload::Rejoin(within) => StationArrival::Rejoin((*within).into()),
+            LinkPayload::Rejoin(within) => StationArrival::Rejoin((*within).into(), &[]),
             LinkPayload::Again
             | LinkPayload::Heard(_)
             | LinkPayload::Command(_)

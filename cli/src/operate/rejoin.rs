@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::Args;
-use linewright_line::{REJOIN_AT_REST, StationId};
+use linewright_line::{Parameter, Station, StationId};
 use linewright_msgs::{StationEvent, StationState, Text};
+use linewright_node_line::Confirmation;
 use linewright_node_shell::RosArgs;
-use linewright_station_logic::{HappeningKind, StationHappening};
+use linewright_station_logic::{HappeningKind, NUMBERS_LOST, RejoinAt, StationHappening};
 use miette::miette;
 use tokio::time::{Instant, timeout_at};
 
@@ -18,7 +20,7 @@ use crate::load;
 /// Confirm where a station stands.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A station that started without its journal does not move. Check the machine first: this sets its marking from its limit switches. Between two switches, name the operation it was stopped in. A task-driven station that stands at another rest than its journal says is confirmed in the same way. Then lead all stations home in manual and give auto."
+    after_help = "A station that started without its journal does not move. Check the machine first: this sets its marking from its limit switches. Between two switches, name the operation it was stopped in. A task-driven station that stands at another rest than its journal says is confirmed in the same way. Within a task its parameters are lost with the journal, and are confirmed with the place: --with slot=2. A number that was wrong is given again. Then lead all stations home in manual and give auto."
 )]
 pub struct RejoinArgs {
     /// The line's directory, or its description file.
@@ -31,6 +33,13 @@ pub struct RejoinArgs {
     /// Rest at which a task-driven station stands, where its switches fit several.
     #[arg(long, value_name = "REST", conflicts_with = "within")]
     rest: Option<String>,
+    /// Number of a parameter of the task that it stands in, e.g. slot=2; each of them.
+    #[arg(long, value_name = "NAME=NUMBER", value_parser = number)]
+    with: Vec<(Arc<str>, i32)>,
+}
+
+fn number(text: &str) -> Result<(Arc<str>, i32), String> {
+    Confirmation::number(text).map_err(|error| error.to_string())
 }
 
 /// `linewright rejoin`
@@ -38,18 +47,9 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     let line = load::line(&args.line, true)?;
     let id = load::station(&line, &args.station)?;
     let station = line.station(id);
-    if let Some(unknown) = args.within.as_ref().filter(|name| station.operation_named(name).is_none()) {
-        let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
-        return Err(miette!("unknown operation '{unknown}' of {}; operations: {}", station.name, names.join(", ")));
-    }
-    if let Some(unknown) = args.rest.as_ref().filter(|name| station.rest_named(name).is_none()) {
-        let names: Vec<&str> = station.rests.iter().map(|rest| rest.name.as_str()).collect();
-        let known =
-            if names.is_empty() { "it is not task-driven".to_owned() } else { format!("rests: {}", names.join(", ")) };
-        return Err(miette!("unknown rest '{unknown}' of {}; {known}", station.name));
-    }
-    let at =
-        args.rest.as_ref().map(|rest| format!("{REJOIN_AT_REST}{rest}")).or(args.within.clone()).unwrap_or_default();
+    let at = place(station, &args)?;
+    let confirmation = Confirmation { at, numbers: args.with.clone() };
+    check_numbers(station, &confirmation)?;
     let mut client = OperatorClient::open(&line, &args.line, ros, "operator")?;
     let publisher = client.rejoin(id)?;
     client.until_connected(CONNECT).await?;
@@ -57,7 +57,7 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     let is_task_driven = station.is_task_driven();
     let stand = |client: &OperatorClient| client.station(id).map(|state| Stand { is_task_driven, ..Stand::of(state) });
     let before = stand(&client);
-    publisher.send(Text::from(at.as_str()));
+    publisher.send(Text::from(confirmation.text(station).as_str()));
     let events = events_of(&mut client, id).await?;
     print_station(&client, id);
     let confirmed = StationHappening { cycle: 0, what: HappeningKind::Rejoined }.text(&line, id);
@@ -70,8 +70,54 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
         return Ok(ExitCode::SUCCESS);
     }
     let named = args.within.as_ref().or(args.rest.as_ref());
-    crate::out::complain!("nothing changed: {}", unchanged(after.as_ref(), named.map(String::as_str)));
+    let why = unchanged(after.as_ref(), named.map(String::as_str), !args.with.is_empty());
+    crate::out::complain!("nothing changed: {why}");
     Ok(ExitCode::FAILURE)
+}
+
+/// The place that is confirmed.
+fn place(station: &Station, args: &RejoinArgs) -> miette::Result<RejoinAt> {
+    if let Some(name) = &args.within {
+        let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
+        let error = || miette!("unknown operation '{name}' of {}; operations: {}", station.name, names.join(", "));
+        let unknown = || load::or_meant(error(), name, names.iter().copied());
+        return station.operation_named(name).map(RejoinAt::Within).ok_or_else(unknown);
+    }
+    let Some(name) = &args.rest else { return Ok(RejoinAt::Measured) };
+    let names: Vec<&str> = station.rests.iter().map(|rest| rest.name.as_str()).collect();
+    let known =
+        if names.is_empty() { "it is not task-driven".to_owned() } else { format!("rests: {}", names.join(", ")) };
+    let unknown =
+        || load::or_meant(miette!("unknown rest '{name}' of {}; {known}", station.name), name, names.iter().copied());
+    station.rest_named(name).map(RejoinAt::Rest).ok_or_else(unknown)
+}
+
+/// Numbers that the station would refuse whatever it measures.
+fn check_numbers(station: &Station, confirmation: &Confirmation) -> miette::Result<()> {
+    let task = match confirmation.at {
+        RejoinAt::Within(op) => station.task_of(op),
+        RejoinAt::Measured | RejoinAt::Rest(_) => None,
+    };
+    let tasks = station.task_ids().filter(|id| task.is_none_or(|task| task == *id));
+    let known: Vec<&Parameter> = tasks.flat_map(|id| &station.task(id).parameters).collect();
+    let mut names: Vec<&str> = known.iter().map(|of| of.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    for (name, number) in &confirmation.numbers {
+        let mut most = known.iter().filter(|of| *of.name == **name).map(|of| of.most());
+        let Some(first) = most.next() else {
+            let of = task.map_or_else(|| station.name.clone(), |task| format!("task `{}`", station.task(task).name));
+            let all = if names.is_empty() { "it has none".to_owned() } else { names.join(", ") };
+            let error = miette!("unknown parameter '{name}' of {of}; parameters: {all}");
+            return Err(load::or_meant(error, name, names));
+        };
+        let most = most.fold(first, i32::max);
+        if !(0..=most).contains(number) {
+            let text = format!("{name}={number} does not fit the outputs of `{name}`: 0 to {most}");
+            return Err(load::WrongArgument::new(text).into());
+        }
+    }
+    Ok(())
 }
 
 /// What happens at the station in the time of an answer.
@@ -141,7 +187,7 @@ fn is_confirmed(before: Option<&Stand>, after: Option<&Stand>) -> bool {
 }
 
 /// Reason why a confirmation has changed nothing.
-fn unchanged(state: Option<&Stand>, named: Option<&str>) -> String {
+fn unchanged(state: Option<&Stand>, named: Option<&str>, has_numbers: bool) -> String {
     let Some(state) = state else { return "no state received from the station".to_owned() };
     if !state.stopped && state.is_to_be_confirmed() {
         return "rejected: station moving; rejoin needs standstill".to_owned();
@@ -154,9 +200,11 @@ fn unchanged(state: Option<&Stand>, named: Option<&str>) -> String {
         (None, _) if !state.devices_valid => {
             "rejected: its I/O devices are not operational, so its switches measure nothing".to_owned()
         }
+        (Some(advice), _) if advice.contains(NUMBERS_LOST) && !has_numbers => advice.to_owned(),
         (Some(advice), Some(named)) => {
             let advice = advice.replace("name its operation with", "name another operation with");
-            format!("its switches do not fit `{named}`, neither at its end nor on its way: {advice}")
+            let numbers = if has_numbers { ", or the numbers are not those of its task" } else { "" };
+            format!("its switches do not fit `{named}`, neither at its end nor on its way{numbers}: {advice}")
         }
         (Some(advice), None) => advice.to_owned(),
         (None, Some(named)) if state.is_lost => format!("its switches do not fit `{named}`: {}", state.fault),
@@ -170,7 +218,7 @@ fn unchanged(state: Option<&Stand>, named: Option<&str>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Stand, is_confirmed, unchanged};
+    use super::{NUMBERS_LOST, Stand, is_confirmed, unchanged};
 
     /// It was called known, while its position was lost.
     #[test]
@@ -186,17 +234,17 @@ mod tests {
             ..Stand::default()
         };
         for named in [None, Some("index")] {
-            let why = unchanged(Some(&lost), named);
+            let why = unchanged(Some(&lost), named, false);
             assert!(why.contains("the homing of its drive") && !why.contains("is known"), "{why}");
         }
         let known = Stand { is_lost: false, fault: String::new(), blocked_by: Vec::new(), ..lost };
-        assert!(unchanged(Some(&known), None).contains("nothing to confirm"));
+        assert!(unchanged(Some(&known), None, false).contains("nothing to confirm"));
         // Without counts in common it takes a confirmation each time: no answer is no refusal.
         let without = Stand { generation: 0, ..known };
-        assert!(unchanged(Some(&without), None).contains("no answer received"));
+        assert!(unchanged(Some(&without), None, false).contains("no answer received"));
         // A task-driven station never has any.
         let driven = Stand { is_task_driven: true, ..without };
-        assert!(unchanged(Some(&driven), None).contains("nothing to confirm"));
+        assert!(unchanged(Some(&driven), None, false).contains("nothing to confirm"));
     }
 
     /// The station in auto that stood elsewhere after it was taken for one that was confirmed.
@@ -217,10 +265,10 @@ mod tests {
         assert!(!is_confirmed(Some(&in_auto), Some(&a_moment_later)));
         let moves = Stand { stopped: false, ..in_auto };
         assert!(!is_confirmed(Some(&moves), Some(&a_moment_later)));
-        assert_eq!(unchanged(Some(&moves), None), "its position is known, and it moves: nothing to confirm");
+        assert_eq!(unchanged(Some(&moves), None, false), "its position is known, and it moves: nothing to confirm");
         let lost_and_moves = Stand { is_lost: true, ..moves };
         assert!(!is_confirmed(Some(&lost_and_moves), Some(&a_moment_later)));
-        assert!(unchanged(Some(&lost_and_moves), None).contains("needs standstill"));
+        assert!(unchanged(Some(&lost_and_moves), None, false).contains("needs standstill"));
         let driven = Stand { is_task_driven: true, ..stands(&[0, 1], 0) };
         assert!(!is_confirmed(Some(&driven), Some(&Stand { places: vec![1, 1], ..driven.clone() })));
     }
@@ -231,8 +279,18 @@ mod tests {
                       hand, or name its operation with rejoin";
         let state =
             Stand { stopped: true, devices_valid: true, blocked_by: vec![advice.to_owned()], ..Stand::default() };
-        let why = unchanged(Some(&state), Some("suck in"));
+        let why = unchanged(Some(&state), Some("suck in"), false);
         assert!(why.starts_with("its switches do not fit `suck in`, neither at its end nor on its way"), "{why}");
         assert!(why.ends_with("or name another operation with rejoin"), "{why}");
+        // The operation is not what was wrong.
+        let advice = format!("rejoin: between two switches; {NUMBERS_LOST}: give them too (--with slot=NUMBER)");
+        let state = Stand { blocked_by: vec![advice.clone()], ..state };
+        let why = |has_numbers| format!("rejoin: {}", unchanged(Some(&state), Some("suck in"), has_numbers));
+        assert_eq!(why(false), advice);
+        assert!(
+            why(true).contains("do not fit `suck in`") && why(true).contains("or the numbers are not"),
+            "{}",
+            why(true)
+        );
     }
 }

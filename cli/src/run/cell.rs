@@ -47,6 +47,11 @@ impl CellRun {
         })
     }
 
+    /// What is received of it.
+    pub fn client(&self) -> &CellClient {
+        &self.client
+    }
+
     /// Waits for a newer state; gives what a person should read. Cancel safe.
     pub async fn next(&mut self) -> miette::Result<Vec<String>> {
         let state = self.client.next().await?;

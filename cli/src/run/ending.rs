@@ -78,9 +78,9 @@ fn unobserved(conflicts: &[String], line: &str) -> Option<String> {
 /// What a run has done: parts made of those it ordered; in a cell otherwise the parts that have left; in a line its cycles.
 fn done(ordered: Option<(u32, u32)>, left: Option<u64>, cycles: usize) -> String {
     match (ordered, left) {
-        (Some((made, wanted)), _) => format!("{made} of {wanted} parts"),
-        (None, Some(1)) => "1 part has left".to_owned(),
-        (None, Some(left)) => format!("{left} parts have left"),
+        (Some((made, wanted)), _) => format!("{made} of {wanted} parts of its orders"),
+        (None, Some(1)) => "1 part has left in this run".to_owned(),
+        (None, Some(left)) => format!("{left} parts have left in this run"),
         (None, None) => format!("{cycles} cycles"),
     }
 }
@@ -112,9 +112,9 @@ mod tests {
 
     #[test]
     fn a_run_of_a_cell_counts_parts() {
-        assert_eq!(done(Some((2, 3)), Some(4), 0), "2 of 3 parts");
-        assert_eq!(done(None, Some(4), 0), "4 parts have left");
-        assert_eq!(done(None, Some(1), 0), "1 part has left");
+        assert_eq!(done(Some((2, 3)), Some(4), 0), "2 of 3 parts of its orders");
+        assert_eq!(done(None, Some(4), 0), "4 parts have left in this run");
+        assert_eq!(done(None, Some(1), 0), "1 part has left in this run");
         assert_eq!(done(None, None, 7), "7 cycles");
         assert_eq!(of_exceptions((0, 0)), "");
         assert_eq!(of_exceptions((2, 1)), ", 2 alarms, 1 part lost");

@@ -294,6 +294,7 @@ impl Session {
                     }
                     if let Some(screen) = &mut screen {
                         let cell = self.cell.as_ref().and_then(CellRun::state);
+                        self.view.look(&self.client, self.cell.as_ref().map(CellRun::client));
                         screen.show(&self.view.picture(&self.client, cell, Screen::size()))?;
                     }
                 }

@@ -166,7 +166,7 @@ impl FloorWorld {
                 let (station, turned) = (*station, PanelCommand::Selector(*manual));
                 self.floor_mut().press(station, turned);
             }
-            RecoveryAction::Rejoin { station, at, or_within } => {
+            RecoveryAction::Rejoin { station, at, or_within, .. } => {
                 let seen = self.stood_in.get(station).filter(|op| or_within.contains(op));
                 let at = seen.map_or(*at, |op| RejoinAt::Within(*op));
                 self.floor_mut().rejoin(*station, at);

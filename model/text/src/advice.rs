@@ -157,12 +157,19 @@ pub(crate) fn decimal_comma(line: &str) -> Option<String> {
     Some(format!("write `{key} = {whole}.{fraction}`: a decimal point, no comma"))
 }
 
-/// What is written for a hexadecimal number in a line that is no TOML: `14h`.
+/// What is written for a hexadecimal number in a line that is no TOML: `14h`, or `10x11`.
 pub(crate) fn hexadecimal_number(line: &str) -> Option<String> {
     let (key, value) = line.split_once('=')?;
     let value = value.split('#').next().unwrap_or_default().trim();
-    let digits = value.strip_suffix(['h', 'H']).and_then(|_| hexadecimal(value))?;
-    Some(format!("write `{} = 0x{digits}`: a hexadecimal number begins with 0x", key.trim()))
+    let key = key.trim();
+    if let Some(digits) = value.strip_suffix(['h', 'H']).and_then(|_| hexadecimal(value)) {
+        return Some(format!("write `{key} = 0x{digits}`: a hexadecimal number begins with 0x"));
+    }
+    // Which number is meant by `10x11` nobody can tell.
+    let (before, digits) = value.split_once(['x', 'X'])?;
+    let is_hexadecimal = |of: &str| of.chars().all(|digit| digit.is_ascii_hexdigit());
+    let is_meant = !digits.is_empty() && is_hexadecimal(before) && is_hexadecimal(digits);
+    is_meant.then(|| format!("a hexadecimal number begins with 0x, such as `{key} = 0x{digits}`"))
 }
 
 /// What is written for the second table under a header that may stand once.

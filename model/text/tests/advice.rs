@@ -131,6 +131,8 @@ fn a_hexadecimal_number_and_a_header_twice_are_answered_with_what_to_write() {
         ("node = 14h", Some("write `node = 0x14`: a hexadecimal number begins with 0x")),
         ("node = 7Fh # the belt", Some("write `node = 0x7F`: a hexadecimal number begins with 0x")),
         ("node = 14x", None),
+        ("node = 10x11", Some("a hexadecimal number begins with 0x, such as `node = 0x11`")),
+        ("node = \"10x11", None),
         (
             "[arrow]\na = 1\n[arrow]\n",
             Some("if there are several, write each under a header `[[arrow]]`, with two brackets"),

@@ -6,6 +6,7 @@
 //! controller and no coordinator sees.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_cell::Cell;
@@ -155,9 +156,12 @@ impl ShopFloor {
         self.processes[station.index()].down.is_none()
     }
 
-    /// A person confirms where a station stands.
+    /// A person confirms where a station stands. Of the parameters of its task nobody sees the number: each is given as 0.
     pub fn rejoin(&mut self, station: StationId, at: RejoinAt) {
-        self.processes[station.index()].controller.handle(self.now, StationInput::Rejoin(at));
+        let controller = &mut self.processes[station.index()].controller;
+        let numbers = controller.numbers_to_confirm(at).iter().map(|of| (of.name.as_str().into(), 0));
+        let numbers: Vec<(Arc<str>, i32)> = numbers.collect();
+        controller.handle(self.now, StationInput::Rejoin(at, &numbers));
         self.settle();
     }
 

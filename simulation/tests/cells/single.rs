@@ -273,10 +273,10 @@ fn a_place_is_not_confirmed_in_manual_by_itself() {
     let (mut cell, _, m1) = stopped(&of);
     cell.single(m1, true).expect("it is left out");
     let mut controller = cell.sim.floor.as_ref().expect("real").controller(m1).clone();
-    let handled = controller.handle(cell.now, StationInput::Rejoin(RejoinAt::Measured));
+    let handled = controller.handle(cell.now, StationInput::Rejoin(RejoinAt::Measured, &[]));
     assert_eq!(handled, Handled::Ignored(Ignored::InSingleManual));
     cell.single(m1, false).expect("left out it goes back");
     let mut controller = cell.sim.floor.as_ref().expect("real").controller(m1).clone();
-    let handled = controller.handle(cell.now, StationInput::Rejoin(RejoinAt::Measured));
+    let handled = controller.handle(cell.now, StationInput::Rejoin(RejoinAt::Measured, &[]));
     assert_eq!(handled, Handled::Ignored(Ignored::NotLost));
 }

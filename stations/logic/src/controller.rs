@@ -54,8 +54,8 @@ pub enum StationInput<'a> {
     View(StationId, &'a StationReport),
     /// The station's panel, by message.
     Panel(PanelCommand),
-    /// An operator's confirmation of where the station stands.
-    Rejoin(RejoinAt),
+    /// An operator's confirmation of where the station stands, with the parameters of the task that it stands in.
+    Rejoin(RejoinAt, &'a [(Arc<str>, i32)]),
     /// An order for a task, or about one; for a task-driven station.
     Task(TaskCommand<'a>),
 }
@@ -269,7 +269,7 @@ impl Controller {
                 self.due.report |= before != answer(&self.views);
             }
             StationInput::Task(command) => return self.command(command),
-            StationInput::Rejoin(at) => return self.rejoin(at),
+            StationInput::Rejoin(at, numbers) => return self.rejoin(at, numbers),
             StationInput::Panel(command) => {
                 let before = self.commands.selector_manual();
                 self.commands.panel(now, command, self.stale);

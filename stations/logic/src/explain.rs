@@ -12,7 +12,8 @@ use crate::parts::{AgreementRefusal, PendingAgreement};
 use crate::program::{CompiledTransition, IncomingArrow as Arrow};
 use crate::texts::place::{op_names, place_text};
 use crate::texts::{
-    NoReturn, PanelChoice, PositionDoubt, REJOIN_WAY, RejoinAdvice, StationWait, signal_now_text, stuck_text,
+    NoReturn, PanelChoice, PositionDoubt, REJOIN_WAY, RejoinAdvice, StationWait, SwitchTense, signal_now_text,
+    stuck_text,
 };
 use crate::views::Comparability;
 
@@ -37,7 +38,8 @@ impl Controller {
                 cause => cause,
             };
             if cause.is_fault() {
-                let mut text = cause.text_of(line, self.program.station, place.op, place.block);
+                let of = (self.program.station, place.op);
+                let mut text = cause.text_at(line, of, place.block, self.tense_of(cause));
                 if let Some(fault) =
                     self.fault_signal(line, place).filter(|_| cause == StopCause::Signal && self.image.valid)
                 {
@@ -79,6 +81,21 @@ impl Controller {
             }
             _ => cause,
         }
+    }
+
+    /// Whether the switch that has stopped a motion is as it was then.
+    fn tense_of(&self, cause: StopCause) -> SwitchTense {
+        let is_over = match cause {
+            StopCause::PositionLost { input, .. } => self.image.valid && self.image.bits & input.bit() != 0,
+            StopCause::Interlock { station, input: Some(input), is_on } => self
+                .views
+                .peers
+                .iter()
+                .find(|view| view.station == station && self.now < view.measured_until)
+                .is_some_and(|view| (view.measured & input.bit() != 0) != is_on),
+            _ => false,
+        };
+        if is_over { SwitchTense::Then } else { SwitchTense::Now }
     }
 
     /// Loss of its position.
@@ -146,7 +163,7 @@ impl Controller {
                 _ => {}
             }
         }
-        (advance, back)
+        (advance, back.filter(|_| !self.is_not_taken_back(place)))
     }
 
     /// The way back of a station that has lost its memory, or an axis of which is not where its chart has it.

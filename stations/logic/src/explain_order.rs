@@ -4,7 +4,8 @@ use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{InputId, Line, OpId, Owner};
 
 use crate::controller::Controller;
-use crate::texts::{PositionDoubt, RejoinAdvice, StationWait};
+use crate::rejoin::RejoinAt;
+use crate::texts::{PositionDoubt, RejoinAdvice, StationWait, numbers_text};
 
 impl Controller {
     /// Where a task-driven station stands between two motions: what it waits for. False where its wait is one of every
@@ -51,8 +52,14 @@ impl Controller {
                     false
                 }
             },
-            ControlMode::Manual if self.panel_is_live() && place.block == Block::Normal && self.rest().is_some() => {
-                reasons.push(StationWait::PanelAtRest.text());
+            ControlMode::Manual if self.panel_is_live() && self.rest().is_some() => {
+                if place.block == Block::Normal {
+                    reasons.push(StationWait::PanelAtRest.text());
+                } else {
+                    let op = &station.operations[place.op.index()].name;
+                    self.explain_missing(line, self.program.step_of[place.op.index()], reasons);
+                    reasons.push(StationWait::TakenBackAtRest { op }.text());
+                }
                 true
             }
             ControlMode::Home | ControlMode::StandBy | ControlMode::Manual | ControlMode::EStop => false,
@@ -79,7 +86,21 @@ impl Controller {
             ([], [], [_, ..]) => RejoinAdvice::Between { ops: &within },
             ([], [], []) => RejoinAdvice::NoPlace,
         };
-        reasons.push(StationWait::Rejoin(doubt, advice).text());
+        let places = match (rests.as_slice(), ends.as_slice()) {
+            ([_, ..], _) => Vec::new(),
+            ([], [_, ..]) => self.steps_read_off().flat_map(|step| self.ops_of_step(step)).collect(),
+            ([], []) => station.op_ids().filter(|&op| self.stands_within(op)).collect(),
+        };
+        let mut asked: Vec<&str> = Vec::new();
+        for op in places {
+            let names = self.numbers_to_confirm(RejoinAt::Within(op)).iter().map(|of| of.name.as_str());
+            names.for_each(|name| {
+                if !asked.contains(&name) {
+                    asked.push(name)
+                }
+            });
+        }
+        reasons.push(StationWait::Rejoin(doubt, advice).text() + &numbers_text(&asked));
     }
 
     /// The inputs that a step waits for and that are off.

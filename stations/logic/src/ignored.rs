@@ -34,6 +34,12 @@ pub enum Ignored {
     InSingleManual,
     /// A confirmation of a position that the switches contradict, or that does not follow from them.
     PositionUnclear,
+    /// A confirmation within a task without the number of each of its parameters.
+    NumberMissing,
+    /// A confirmation with a number for a parameter that the task does not have, or where no task is.
+    NoSuchNumber,
+    /// A confirmation with a number that the outputs of its parameter cannot carry.
+    NumberOutOfRange,
 }
 
 impl Handled {

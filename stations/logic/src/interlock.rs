@@ -17,7 +17,7 @@
 //! What this does not exclude by itself: two stations that start within the time a report takes see each other outside still.
 //! Against that stand the counts, and in manual, where there are none in common, an agreement before the start (see `entry`).
 
-use linewright_line::net::{ControlMode, MotionStage, StationPlace};
+use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace};
 use linewright_line::{InputId, OpId};
 
 use crate::controller::Controller;
@@ -145,6 +145,11 @@ impl Controller {
 
     /// Reason why the motions that a transition starts may not start; none where they may, or where it starts none.
     pub(crate) fn unsafe_start(&self, action: &CompiledTransition, mode: ControlMode) -> Option<StopCause> {
+        let leads_to = action.to.iter().map(|&to| self.program.places[usize::from(to)].place);
+        let mut back = leads_to.filter(|place| place.is_operating() && place.block == Block::Recovery);
+        if back.any(|place| self.is_not_taken_back(place)) {
+            return Some(StopCause::NotAtHome);
+        }
         if !self.rules.positions {
             return None;
         }

@@ -102,4 +102,4 @@ pub use rejoin::RejoinAt;
 pub use report::{AgreementAnswer, AgreementRequest, Restore, StationReport, StationSnapshot};
 pub use rules::{OrderRules, Rules};
 pub use situation::{PeerSituation, RequestWriter};
-pub use texts::{DEVICES_INVALID, NoReturn, PanelChoice, PositionDoubt, RejoinAdvice, StationWait};
+pub use texts::{DEVICES_INVALID, NUMBERS_LOST, NoReturn, PanelChoice, PositionDoubt, RejoinAdvice, StationWait};

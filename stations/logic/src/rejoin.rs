@@ -8,13 +8,22 @@
 //! | task-driven | – | at the one rest that the switches fit; where they fit none, after the one step |
 //! | task-driven | a rest | there, if no switch contradicts |
 //! | either | an operation | after it, or within it, whichever the switches fit |
+//!
+//! **Parameters.** Within a task that has some, their numbers are a part of the confirmation: they are lost with the journal, and the next
+//! motion of the task, onwards or back, leads to the place that their outputs choose. With all of them off that is a place as well, at which
+//! a hand would open over nothing. So a confirmation there without every number is refused, and nothing is led before it: the switches do not
+//! measure which slot was meant, and no number is guessed. A way is always left: a person sees at which slot the hand is, or takes out what
+//! it carries and gives any number. A number that was wrong is confirmed anew, as long as the station stands within the task without an order.
+
+use std::sync::Arc;
 
 use linewright_line::net::StationPlace;
-use linewright_line::{OpId, RestId};
+use linewright_line::{OpId, Parameter, RestId, TaskId};
 
 use crate::controller::Controller;
 use crate::event::{HappeningKind, StopCause};
 use crate::ignored::Ignored;
+use crate::tasks::NumberMisfit;
 
 /// Position of a station that an operator confirms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +58,8 @@ impl Controller {
     /// home with the others. A task-driven station ends its order.
     ///
     /// # Errors
-    /// Where the switches contradict or leave a doubt, or anything moves; nothing has changed.
-    pub(crate) fn rejoin(&mut self, at: RejoinAt) -> Result<(), Ignored> {
+    /// Where the switches contradict or leave a doubt, numbers are not those of its task, or anything moves; nothing has changed.
+    pub(crate) fn rejoin(&mut self, at: RejoinAt, numbers: &[(Arc<str>, i32)]) -> Result<(), Ignored> {
         if self.homing.is_driven || self.tokens().iter().any(|token| self.place(token).is_operating()) {
             return Err(Ignored::Moving);
         }
@@ -58,14 +67,16 @@ impl Controller {
             return Err(Ignored::InSingleManual);
         }
         if !self.is_to_be_confirmed() {
-            return Err(Ignored::NotLost);
+            return self.correct_numbers(at, numbers);
         }
         let confirmed = self.confirmed(at)?;
+        let parameters = self.parameters_confirmed(self.task_within(confirmed), numbers)?;
         if self.program.tasks.is_some() {
             self.stand_in_tasks(confirmed);
         } else {
             self.stand_in_cycle(confirmed);
         }
+        self.confirm_parameters(parameters);
         self.views.generation = 0;
         self.marking.path = None;
         self.marking.doubtful = None;
@@ -82,6 +93,68 @@ impl Controller {
         self.due.outputs = true;
         self.note(HappeningKind::Rejoined);
         Ok(())
+    }
+
+    /// The position is known: the numbers alone are other ones, of the task within which it stands.
+    fn correct_numbers(&mut self, at: RejoinAt, numbers: &[(Arc<str>, i32)]) -> Result<(), Ignored> {
+        let place = self.marking().next().filter(|_| !numbers.is_empty() && self.rest().is_none() && !self.has_order());
+        let is_there = |place: &StationPlace| at == RejoinAt::Measured || at == RejoinAt::Within(place.op);
+        let place = place.filter(is_there).ok_or(Ignored::NotLost)?;
+        let parameters = self.parameters_confirmed(self.task_of(place.op), numbers)?;
+        self.confirm_parameters(parameters);
+        self.due.report = true;
+        self.due.outputs = true;
+        self.note(HappeningKind::Rejoined);
+        Ok(())
+    }
+
+    /// The parameters of the task within which a station stands that a person has confirmed there, with their outputs.
+    fn parameters_confirmed(
+        &self,
+        within: Option<TaskId>,
+        numbers: &[(Arc<str>, i32)],
+    ) -> Result<Option<(TaskId, u128)>, Ignored> {
+        let tables = within.zip(self.program.tasks.as_ref()).map(|(task, tasks)| (task, tasks.task(task)));
+        let Some((task, table)) = tables.filter(|(_, table)| !table.parameters.is_empty()) else {
+            return if numbers.is_empty() { Ok(None) } else { Err(Ignored::NoSuchNumber) };
+        };
+        if let Some(kept) = self.known_parameters(task).filter(|_| numbers.is_empty()) {
+            return Ok(Some(kept));
+        }
+        let image = table.image(numbers).map_err(|misfit| match misfit {
+            NumberMisfit::Missing => Ignored::NumberMissing,
+            NumberMisfit::NoParameter => Ignored::NoSuchNumber,
+            NumberMisfit::OutOfRange => Ignored::NumberOutOfRange,
+        })?;
+        Ok(Some((task, image)))
+    }
+
+    /// The task within which a station stands that is confirmed so; none at a rest, and in a cycle.
+    fn task_within(&self, confirmed: Confirmed) -> Option<TaskId> {
+        let tasks = self.program.tasks.as_ref()?;
+        let (op, is_done) = match confirmed {
+            Confirmed::After(step) => (self.ops_of_step(step).next()?, true),
+            Confirmed::Within(op) => (op, false),
+            Confirmed::At(op) => (op, true),
+        };
+        let task = tasks.task_of[op.index()];
+        (!is_done || tasks.task(task).last != op).then_some(task)
+    }
+
+    /// The parameters whose numbers are a part of a confirmation there: those of the task within which it stands then, unless they are known.
+    pub fn numbers_to_confirm(&self, at: RejoinAt) -> &[Parameter] {
+        let within = self.confirmed(at).ok().and_then(|confirmed| self.task_within(confirmed));
+        let unknown = within.filter(|&task| self.known_parameters(task).is_none());
+        let task = unknown.zip(self.program.tasks.as_ref()).map(|(task, tasks)| tasks.task(task));
+        task.map_or(&[], |task| &task.parameters)
+    }
+
+    /// Whether this place is not to be taken back from. Switched on away from home the station is led home by its last operation; back from
+    /// there leads through a task of which neither the place nor the parameters are known, until both are confirmed.
+    pub(crate) fn is_not_taken_back(&self, place: StationPlace) -> bool {
+        let task = self.task_of(place.op).filter(|&task| self.known_parameters(task).is_none());
+        let table = task.zip(self.program.tasks.as_ref()).map(|(task, tasks)| tasks.task(task));
+        table.is_some_and(|table| !table.parameters.is_empty()) && self.is_not_at_home()
     }
 
     /// Whether its position is lost or unknown.

@@ -273,15 +273,7 @@ impl Controller {
         }
         let index = tasks.tasks.iter().position(|task| *task.name == *order.task).ok_or(TaskRefusal::Unknown)?;
         let task = &tasks.tasks[index];
-        if order.parameters.len() != task.parameters.len() {
-            return Err(TaskRefusal::Unknown);
-        }
-        let mut image = 0;
-        for parameter in &task.parameters {
-            // A number that is missing is not guessed.
-            let given = order.parameters.iter().find(|(name, _)| **name == *parameter.name);
-            image |= given.and_then(|(_, value)| parameter.image(*value)).ok_or(TaskRefusal::Unknown)?;
-        }
+        let image = task.image(&order.parameters).map_err(|_| TaskRefusal::Unknown)?;
         if !self.image.valid {
             return Err(TaskRefusal::Devices);
         }
@@ -296,7 +288,7 @@ impl Controller {
         Ok((ActiveOrder { key: order.key, task, limit, begun: false, phase: SlotPhase::Running }, image))
     }
 
-    fn task_of(&self, op: OpId) -> Option<TaskId> {
+    pub(crate) fn task_of(&self, op: OpId) -> Option<TaskId> {
         self.program.tasks.as_ref().map(|tasks| tasks.task_of[op.index()])
     }
 
@@ -331,6 +323,23 @@ impl Controller {
         let bits = self.order_bits();
         self.levels.now = self.levels.now & !bit::ORDERS | bits;
         self.levels.before = self.levels.before & !bit::ORDERS | bits;
+    }
+
+    /// Whether it is doing an order, or going back from one.
+    pub(crate) fn has_order(&self) -> bool {
+        self.slot().is_some()
+    }
+
+    /// The outputs that carry the parameters of this task, as far as they are known.
+    pub(crate) fn known_parameters(&self, of: TaskId) -> Option<(TaskId, u128)> {
+        self.orders.as_ref()?.parameters.filter(|&(task, _)| task == of)
+    }
+
+    /// A person has confirmed the parameters, or a place where there are none.
+    pub(crate) fn confirm_parameters(&mut self, parameters: Option<(TaskId, u128)>) {
+        if let Some(orders) = &mut self.orders {
+            orders.parameters = parameters;
+        }
     }
 
     fn slot(&self) -> Option<ActiveOrder> {

@@ -1,5 +1,6 @@
 //! A station's tasks, compiled: tables of a task-driven station beside those of every station.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_line::{OpId, Parameter, RestId, Station, TaskId};
@@ -27,6 +28,27 @@ pub(crate) struct TaskTable {
     pub to: RestId,
     pub limit: Duration,
     pub parameters: Vec<Parameter>,
+}
+
+/// Reason why numbers are not those of a task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NumberMisfit {
+    Missing,
+    /// No parameter of the task has this name, or it is given twice.
+    NoParameter,
+    OutOfRange,
+}
+
+impl TaskTable {
+    /// The outputs that carry these numbers. One that is missing is not guessed.
+    pub fn image(&self, numbers: &[(Arc<str>, i32)]) -> Result<u128, NumberMisfit> {
+        let mut image = 0;
+        for parameter in &self.parameters {
+            let given = numbers.iter().find(|(name, _)| **name == *parameter.name).ok_or(NumberMisfit::Missing)?;
+            image |= parameter.image(given.1).ok_or(NumberMisfit::OutOfRange)?;
+        }
+        if numbers.len() == self.parameters.len() { Ok(image) } else { Err(NumberMisfit::NoParameter) }
+    }
 }
 
 impl StationTasks {

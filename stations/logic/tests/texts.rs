@@ -123,6 +123,9 @@ fn ignored() -> Vec<Ignored> {
         Ignored::NotLost => Ignored::NotLost;
         Ignored::InSingleManual => Ignored::InSingleManual;
         Ignored::PositionUnclear => Ignored::PositionUnclear;
+        Ignored::NumberMissing => Ignored::NumberMissing;
+        Ignored::NoSuchNumber => Ignored::NoSuchNumber;
+        Ignored::NumberOutOfRange => Ignored::NumberOutOfRange;
     })
 }
 
@@ -190,6 +193,7 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
             StationWait::PanelAdvance { op: "decel", no_return: NoReturn::Undone },
             StationWait::PanelAdvance { op: "feed main slide", no_return: NoReturn::Irreversible };
         StationWait::PanelAtRest => StationWait::PanelAtRest;
+        StationWait::TakenBackAtRest { .. } => StationWait::TakenBackAtRest { op: "close" };
         StationWait::Selector => StationWait::Selector;
         StationWait::RecoveryPath => StationWait::RecoveryPath;
         StationWait::Mode(_) => StationWait::Mode(ControlMode::StandBy);

@@ -4,16 +4,16 @@ use std::path::PathBuf;
 
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
-use linewright_line::{DeviceBus, Line, OpId, Owner, REJOIN_AT_REST, StationId, Tick};
+use linewright_line::{DeviceBus, Line, OpId, Owner, StationId, Tick};
 use linewright_msgs::{ProcessImage, StationEvent, StationState, fitting};
 use linewright_node_line::devices::{DeviceDiagnosticsTopic, DeviceServiceRequest, Devices};
 use linewright_node_line::quoted;
-use linewright_node_line::{Waiting, open_buses};
+use linewright_node_line::{Confirmation, Waiting, open_buses};
 use linewright_node_line::{kind_of, order_from_message, report_from_message, report_to_message};
 use linewright_node_shell::{
     Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
 };
-use linewright_station_logic::{CompileError, HappeningKind, PanelCommand, RejoinAt, Restore, StationHappening};
+use linewright_station_logic::{CompileError, HappeningKind, PanelCommand, Restore, StationHappening};
 use linewright_station_shell::{Driven, StationArrival, StationEffect, StationShell};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -304,28 +304,17 @@ impl StationLoop {
                     self.handle(StationArrival::Task(told.command()));
                 }
             }
-            StationInbound::Rejoin(text) => self.rejoin(text.trim()),
+            StationInbound::Rejoin(text) => self.rejoin(&text),
             StationInbound::Advance(held) => self.panel(PanelCommand::Advance(held)),
             StationInbound::Retract(held) => self.panel(PanelCommand::Retract(held)),
         }
     }
 
-    fn rejoin(&mut self, within: &str) {
-        let station = self.line.station(self.station);
-        if let Some(name) = within.strip_prefix(REJOIN_AT_REST) {
-            let Some(rest) = station.rest_named(name) else {
-                let names: Vec<&str> = station.rests.iter().map(|rest| rest.name.as_str()).collect();
-                return self.ignore(format!("rejoin: unknown rest '{}'; rests: {}", quoted(name), names.join(", ")));
-            };
-            return self.handle(StationArrival::Rejoin(RejoinAt::Rest(rest)));
+    fn rejoin(&mut self, text: &str) {
+        match Confirmation::read(self.line.station(self.station), text) {
+            Ok(Confirmation { at, numbers }) => self.handle(StationArrival::Rejoin(at, &numbers)),
+            Err(error) => self.ignore(format!("rejoin: {error}")),
         }
-        let op = station.operation_named(within);
-        if op.is_none() && !within.is_empty() {
-            let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
-            let known = names.join(", ");
-            return self.ignore(format!("rejoin: unknown operation '{}'; operations: {known}", quoted(within)));
-        }
-        self.handle(StationArrival::Rejoin(op.into()));
     }
 
     fn panel(&mut self, command: PanelCommand) {

@@ -1,5 +1,7 @@
 //! Arrivals at a station, and their effects.
 
+use std::sync::Arc;
+
 use linewright_line::StationId;
 use linewright_station_logic::{
     ModeOrder, OrderKey, PanelCommand, RejoinAt, StationHappening, StationReport, TaskCommand, TaskReply,
@@ -53,8 +55,8 @@ pub enum StationArrival<'a> {
     },
     /// The panel, by message.
     Panel(PanelCommand),
-    /// An operator's confirmation of where the station stands.
-    Rejoin(RejoinAt),
+    /// An operator's confirmation of where the station stands, with the parameters of the task that it stands in.
+    Rejoin(RejoinAt, &'a [(Arc<str>, i32)]),
     /// An order for a task, or about one.
     Task(TaskCommand<'a>),
 }

@@ -185,11 +185,11 @@ impl StationShell {
                 Handled::Taken
             }
             StationArrival::Panel(command) => self.controller.handle(now, StationInput::Panel(command)),
-            StationArrival::Rejoin(_) if is_doubtful => {
+            StationArrival::Rejoin(..) if is_doubtful => {
                 self.ignore("rejoin: the node stood still just before it; confirm again", effects);
                 return;
             }
-            StationArrival::Rejoin(at) => self.controller.handle(now, StationInput::Rejoin(at)),
+            StationArrival::Rejoin(at, numbers) => self.controller.handle(now, StationInput::Rejoin(at, numbers)),
             StationArrival::Task(command) => self.controller.handle(now, StationInput::Task(command)),
         };
         if let Handled::Ignored(why) = handled {

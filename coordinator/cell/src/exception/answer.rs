@@ -172,6 +172,8 @@ impl Coordination {
         if self.presence(resource) == Presence::On {
             return Err(AlarmAnswerRefusal::HasPart(resource));
         }
+        // What is refused is not done in part.
+        self.may_be_up(now, resource)?;
         self.except(now, ExceptionStep::Missing { resource, mode, part }, out);
         // The answer is taken; what is left to be done has an alarm of its own.
         if self.stands_wrong(now, resource, out) {
@@ -180,11 +182,9 @@ impl Coordination {
         self.try_up(now, resource, out)
     }
 
-    /// A resource is up if its station can work, nothing of it waits for an answer, and its sensor agrees.
-    fn try_up(&mut self, now: Tick, resource: ResourceId, out: &mut PlayerOutbox) -> Result<(), AlarmAnswerRefusal> {
-        let handling = self.state.table().handling();
-        let of = handling.resource(resource).ok_or(AlarmAnswerRefusal::NoSuchResource)?;
-        let (station, is_sensed) = (of.station, of.is_sensed);
+    /// Whether its station can work, and nothing of it waits for an answer.
+    fn may_be_up(&self, now: Tick, resource: ResourceId) -> Result<(), AlarmAnswerRefusal> {
+        let of = self.state.table().handling().resource(resource).ok_or(AlarmAnswerRefusal::NoSuchResource)?;
         if self.state.exceptions().is_down(resource).is_none() {
             return Err(AlarmAnswerRefusal::AlreadySo);
         }
@@ -193,9 +193,13 @@ impl Coordination {
         if self.state.exceptions().open().any(is_open) {
             return Err(AlarmAnswerRefusal::Open(resource));
         }
-        if let Some(why) = station.and_then(|station| self.obstacle(now, station)) {
-            return Err(why);
-        }
+        of.station.and_then(|station| self.obstacle(now, station)).map_or(Ok(()), Err)
+    }
+
+    /// A resource is up if it may be, and its sensor agrees.
+    fn try_up(&mut self, now: Tick, resource: ResourceId, out: &mut PlayerOutbox) -> Result<(), AlarmAnswerRefusal> {
+        self.may_be_up(now, resource)?;
+        let is_sensed = self.state.table().handling().resource(resource).is_some_and(|of| of.is_sensed);
         if let Some(found) = self.difference(resource) {
             self.mismatch(now, found, out);
             return Err(AlarmAnswerRefusal::Contradicted(resource));

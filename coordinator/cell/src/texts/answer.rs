@@ -58,6 +58,16 @@ impl From<&str> for ListedAnswer {
 }
 
 impl ListedAnswer {
+    /// Those that fit the sensors first, what would not be taken last; else as they are.
+    pub fn in_order(mut answers: Vec<ListedAnswer>) -> Vec<ListedAnswer> {
+        answers.sort_by_key(|answer| match answer.remark.as_ref().map(|remark| remark.fit) {
+            Some(AnswerFit::Fits) => 0,
+            Some(AnswerFit::NotMeasured | AnswerFit::NotKnown) | None => 1,
+            Some(AnswerFit::Contradicts | AnswerFit::Refused) => 2,
+        });
+        answers
+    }
+
     /// The answer, with its meaning and the remark in parentheses.
     pub fn text(&self) -> String {
         let remark = self.remark.as_ref().map(AnswerRemark::text).unwrap_or_default();
@@ -67,6 +77,12 @@ impl ListedAnswer {
 }
 
 impl AnswerRemark {
+    /// Of an answer to an alarm behind so many others that its answers are not compared yet.
+    pub fn behind_others() -> Self {
+        let why = "compared with the sensors when earlier alarms are answered".to_owned();
+        AnswerRemark { fit: AnswerFit::NotKnown, why }
+    }
+
     fn text(&self) -> String {
         match self.fit {
             AnswerFit::Fits => "fits the sensors".to_owned(),

@@ -154,3 +154,25 @@ fn a_word_that_may_not_be_tried_again_decides_anew() {
     bench.load_fails();
     assert_eq!(ruling(&bench), words);
 }
+
+/// It was given up, and the answer refused all the same: a second one was no permitted answer.
+#[test]
+fn a_part_is_not_given_up_by_an_answer_that_is_refused() {
+    let mut bench = CellBench::c1(&[1, 0]);
+    bench.taken_away("load M1<A.new>", "m1", "M1.loaded<A.new>");
+    bench.at("m1").unable = Some(StationUnavailable::Devices);
+    bench.hear();
+    let (m1, asked) = (bench.station("m1"), ResourceRequest::Answer(bench.alarm().id));
+    let (alarm, written) = (bench.alarm().text.clone(), bench.steps().len());
+    let refused = AlarmAnswerRefusal::CannotWork(m1, StationUnavailable::Devices);
+    for _ in 0..2 {
+        bench.answer("gone");
+        assert_eq!(bench.objections().last(), Some(&(asked, refused)));
+    }
+    assert_eq!((bench.steps().len(), bench.state().exceptions().scrapped()), (written, 0), "nothing has changed");
+    assert_eq!(bench.alarm().text, alarm);
+    bench.works("m1");
+    bench.answer("gone");
+    assert_eq!((bench.down(), bench.state().exceptions().scrapped()), (vec![], 1));
+    bench.all_leave(1);
+}

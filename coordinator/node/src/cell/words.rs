@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use linewright_coordinator_cell::exception::{Alarm, LeadDirection, StationsToLead};
 use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
-use linewright_coordinator_cell::texts::{AnswerFit, AnswerRemark};
+use linewright_coordinator_cell::texts::{AnswerFit, AnswerRemark, ListedAnswer};
 use linewright_coordinator_cell::{
     ActivityPhase, CellTable, Coordination, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderProgress, Part,
     PartPlace, PlayerState, ProductionId, TaskReport, texts,
@@ -40,7 +40,8 @@ pub fn describe(
     message.parts_left = state.left();
     message.orders_open = count(production.orders().filter(|order| order.ended.is_none()).count());
     let names = |ids: Vec<StationId>| ids.into_iter().map(|id| line.station(id).name.clone()).collect();
-    let alarm = |alarm: &Alarm| {
+    let alarm = |(at, alarm): (usize, &Alarm)| {
+        let answers = answers(line, coordination, reports, now, (alarm, at < REHEARSED_MAX));
         let StationsToLead { lead, reset, at_order, reason } = coordination.alarm_leads(now, alarm);
         let direction = |direction| match direction {
             LeadDirection::On => AlarmState::LEAD_ON,
@@ -55,10 +56,10 @@ pub fn describe(
             id: alarm.id.0,
             raised: time(alarm.since),
             text: fitting(coordination.alarm_text(now, alarm)),
-            answers: alarm.words.clone(),
-            meanings: texts::alarm::meanings(coordination, alarm),
-            verdicts: Vec::new(),
-            verdict_reasons: Vec::new(),
+            verdicts: answers.iter().map(|of| verdict_code(&of.remark)).collect(),
+            verdict_reasons: answers.iter().map(verdict_reason).collect(),
+            meanings: answers.iter().map(|of| of.meaning.clone()).collect(),
+            answers: answers.into_iter().map(|of| of.word).collect(),
             lead: names(lead),
             reset: names(reset),
             at_order: names(at_order),
@@ -68,14 +69,7 @@ pub fn describe(
             to_rest: brings.map(to_rest).unwrap_or_default(),
         }
     };
-    let mut alarms: Vec<AlarmState> = state.exceptions().alarms().take(LISTED_MAX).map(alarm).collect();
-    for (at, (listed, of)) in alarms.iter_mut().zip(state.exceptions().alarms()).enumerate() {
-        let remarks = remarks(line, coordination, reports, now, (of, at < REHEARSED_MAX));
-        listed.verdicts = remarks.iter().map(verdict_code).collect();
-        let reason = |remark: Option<AnswerRemark>| remark.map(|of| fitting(of.why)).unwrap_or_default();
-        listed.verdict_reasons = remarks.into_iter().map(reason).collect();
-    }
-    message.alarms = listed(alarms.into_iter());
+    message.alarms = listed(state.exceptions().alarms().enumerate().map(alarm));
     let name = |id| table.handling().resource(id).map(|resource| resource.name.to_string()).unwrap_or_default();
     message.down = listed(state.exceptions().down().map(|(id, _)| name(id)));
     let mut parts: Vec<&Part> = state.parts().collect();
@@ -88,24 +82,35 @@ pub fn describe(
         listed(open.into_iter().chain(over.into_iter().rev()).map(|order| ordered(production, order, now)));
 }
 
-/// What sensors say now of each answer to an alarm; nothing where it is not rehearsed.
-fn remarks(
+/// The answers to an alarm, each with what sensors say of it now.
+fn answers(
     line: &Line,
     coordination: &Coordination,
     reports: &NewestReports,
     now: Tick,
     (alarm, is_rehearsed): (&Alarm, bool),
-) -> Vec<Option<AnswerRemark>> {
+) -> Vec<ListedAnswer> {
     let state = coordination.state();
     // A station that is not heard any more may have been moved since.
     let is_fresh = |at: Tick| now < at + state.table().repeat_interval();
     let fresh = reports.iter().filter(|(_, (at, _))| is_fresh(*at));
     let fresh: Vec<(StationId, &TaskReport)> = fresh.map(|(&id, (_, report))| (id, report)).collect();
     let remark = |word: &String| {
-        let verdict = is_rehearsed.then(|| coordination.rehearsed(now, alarm.id, word, &fresh))?;
-        AnswerRemark::of(line, state, alarm.id, &verdict)
+        if !is_rehearsed {
+            return Some(AnswerRemark::behind_others());
+        }
+        AnswerRemark::of(line, state, alarm.id, &coordination.rehearsed(now, alarm.id, word, &fresh))
     };
-    alarm.words.iter().map(remark).collect()
+    let meanings = texts::alarm::meanings(coordination, alarm).into_iter().chain(std::iter::repeat(String::new()));
+    let answer = |(word, meaning): (&String, String)| {
+        let remark = remark(word);
+        ListedAnswer { word: word.clone(), meaning, remark }
+    };
+    ListedAnswer::in_order(alarm.words.iter().zip(meanings).map(answer).collect())
+}
+
+fn verdict_reason(answer: &ListedAnswer) -> String {
+    answer.remark.as_ref().map(|remark| fitting(remark.why.clone())).unwrap_or_default()
 }
 
 fn verdict_code(remark: &Option<AnswerRemark>) -> u8 {

@@ -69,6 +69,8 @@ pub enum StationWait<'a> {
     Panel,
     /// At a rest in manual: what begins a task, or takes one back.
     PanelAtRest,
+    /// At the rest where a task was taken back to, in manual: advance begins its first operation again.
+    TakenBackAtRest { op: &'a str },
     /// The station's selector.
     Selector,
     /// A mode in which stations move.
@@ -246,6 +248,11 @@ impl StationWait<'_> {
             StationWait::PanelAtRest => {
                 "a task: its order in auto, or its button in hand mode; at a rest its panel moves nothing".to_owned()
             }
+            StationWait::TakenBackAtRest { op } => {
+                format!(
+                    "a task: its order in auto, or advance at its panel to begin {op} again; it is at rest, its task taken back"
+                )
+            }
             StationWait::Selector => "its selector at manual".to_owned(),
             StationWait::Mode(mode) => format!("a mode that allows motion (now {mode})"),
             StationWait::EStop => "manual, possible once the emergency stop is reset".to_owned(),
@@ -294,6 +301,18 @@ impl StationWait<'_> {
 
 const fn heard(is_heard: bool) -> &'static str {
     if is_heard { "" } else { " (no state received)" }
+}
+
+/// In the advice on a confirmation that is refused without them.
+pub const NUMBERS_LOST: &str = "the numbers of its task are lost";
+
+/// Behind the advice on a confirmation within a task that has these parameters.
+pub(crate) fn numbers_text(parameters: &[&str]) -> String {
+    let all: Vec<String> = parameters.iter().map(|name| format!("--with {name}=NUMBER")).collect();
+    match all.as_slice() {
+        [] => String::new(),
+        all => format!("; {NUMBERS_LOST}: give them too ({})", all.join(" ")),
+    }
 }
 
 impl PositionDoubt {

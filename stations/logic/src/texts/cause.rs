@@ -16,6 +16,22 @@ pub(crate) const fn signal_now_text(is_on: bool) -> &'static str {
     if is_on { ", and is still on" } else { ", and is off now" }
 }
 
+/// Whether a switch is still as it was when it stopped a motion.
+#[derive(Clone, Copy)]
+pub(crate) enum SwitchTense {
+    Now,
+    Then,
+}
+
+impl SwitchTense {
+    const fn verb(self) -> &'static str {
+        match self {
+            SwitchTense::Now => "is",
+            SwitchTense::Then => "was",
+        }
+    }
+}
+
 impl StopCause {
     /// The cause without names of the line.
     pub const fn text(self) -> &'static str {
@@ -39,14 +55,19 @@ impl StopCause {
 
     /// The cause found by measured positions, with the station, the switch and where it is wired.
     pub fn detail(self, line: &Line, own: StationId) -> String {
+        self.detail_at(line, own, SwitchTense::Now)
+    }
+
+    fn detail_at(self, line: &Line, own: StationId, tense: SwitchTense) -> String {
+        let is = tense.verb();
         match self {
             StopCause::Interlock { station, input: Some(input), is_on: true } => format!(
-                "interlock: {} not clear: {} is on, and off while it is clear; check mechanism and switch",
+                "interlock: {} not clear: {} {is} on, and off while it is clear; check mechanism and switch",
                 line.station(station).name,
                 line.input_text(Owner::Station(station), input)
             ),
             StopCause::Interlock { station, input: Some(input), is_on: false } => format!(
-                "interlock: {} not clear: {} is off",
+                "interlock: {} not clear: {} {is} off",
                 line.station(station).name,
                 line.input_text(Owner::Station(station), input)
             ),
@@ -61,7 +82,7 @@ impl StopCause {
                 )
             }
             StopCause::PositionLost { op, input } => format!(
-                "position lost: {} is off, required on at `{}`; check mechanism and switch",
+                "position lost: {} {is} off, required on at `{}`; check mechanism and switch",
                 line.input_text(Owner::Station(own), input),
                 line.operation((own, op)).name
             ),
@@ -82,6 +103,17 @@ impl StopCause {
     /// The cause of a stop of this operation, e.g. `watchdog: LS_closed (clamp 1 io, node 21h, 6000h:01 bit 1) not on
     /// within 1 s`.
     pub fn text_of(self, line: &Line, station: StationId, op: OpId, block: Block) -> String {
+        self.text_at(line, (station, op), block, SwitchTense::Now)
+    }
+
+    /// The same, of a stop after which the switch that was looked at may be as it should be again.
+    pub(crate) fn text_at(
+        self,
+        line: &Line,
+        (station, op): (StationId, OpId),
+        block: Block,
+        tense: SwitchTense,
+    ) -> String {
         let operation = line.operation((station, op));
         let signals = match (block, &operation.module) {
             (Block::Recovery, OperationModule::Reversible { recovery, .. }) => recovery,
@@ -109,7 +141,7 @@ impl StopCause {
                 input(behind)
             ),
             (StopCause::Interlock { .. } | StopCause::PositionLost { .. } | StopCause::IndexDoubtful { .. }, _) => {
-                self.detail(line, station)
+                self.detail_at(line, station, tense)
             }
             (StopCause::Signal, Some(fault)) => format!("{}: {} came on", self.text(), input(fault)),
             _ => self.text().to_owned(),

@@ -21,6 +21,11 @@ impl Ignored {
                 "rejoin: station in manual by itself, the others rely on its place; give auto to it, rejoin, then manual again"
             }
             Ignored::PositionUnclear => "rejoin: limit switches contradict the position, or do not determine it",
+            Ignored::NumberMissing => "rejoin: the task has parameters, and not all of their numbers are given",
+            Ignored::NoSuchNumber => {
+                "rejoin: a number for a parameter that the task does not have, or outside of a task"
+            }
+            Ignored::NumberOutOfRange => "rejoin: a number that the outputs of its parameter cannot carry",
         }
     }
 }

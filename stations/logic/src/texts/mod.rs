@@ -11,6 +11,6 @@ mod event;
 mod ignored;
 pub(crate) mod place;
 
-pub use blocked::{DEVICES_INVALID, NoReturn, PanelChoice, PositionDoubt, RejoinAdvice, StationWait};
-pub(crate) use blocked::{HOMING, REJOIN_WAY};
-pub(crate) use cause::{signal_now_text, stuck_text};
+pub use blocked::{DEVICES_INVALID, NUMBERS_LOST, NoReturn, PanelChoice, PositionDoubt, RejoinAdvice, StationWait};
+pub(crate) use blocked::{HOMING, REJOIN_WAY, numbers_text};
+pub(crate) use cause::{SwitchTense, signal_now_text, stuck_text};

@@ -206,7 +206,7 @@ fn homed_at_another_place_than_it_stood_at_it_is_in_doubt_and_a_person_confirms(
     bench.press(TABLE, PanelCommand::Advance);
     assert_eq!(bench.outputs(TABLE), Vec::<&str>::new());
     bench.release();
-    assert!(bench.controllers[TABLE].handle(bench.now, StationInput::Rejoin(None.into())).is_taken());
+    assert!(bench.controllers[TABLE].handle(bench.now, StationInput::Rejoin(None.into(), &[])).is_taken());
     bench.wait_ms(60);
     assert_eq!((bench.controllers[TABLE].position_lost(), bench.counts().2), (None, 0));
 }
@@ -307,7 +307,7 @@ fn nothing_else_moves_while_the_table_is_homed() {
 fn a_position_that_was_confirmed_before_the_homing_is_compared_with_where_it_ends() {
     let mut bench = HomingBench::clear();
     let index = bench.line.stations[TABLE].operation_named("index").expect("it turns");
-    assert!(bench.controllers[TABLE].handle(bench.now, StationInput::Rejoin(Some(index).into())).is_taken());
+    assert!(bench.controllers[TABLE].handle(bench.now, StationInput::Rejoin(Some(index).into(), &[])).is_taken());
     bench.wait_ms(60);
     bench.press(TABLE, PanelCommand::Advance);
     assert_eq!(bench.outputs(TABLE), ["turn"]);
@@ -322,7 +322,7 @@ fn nothing_is_confirmed_while_the_table_is_homed() {
     let mut bench = HomingBench::clear();
     bench.press(TABLE, PanelCommand::Advance);
     assert_eq!(bench.outputs(TABLE), ["turn"]);
-    let handled = bench.controllers[TABLE].handle(bench.now, StationInput::Rejoin(None.into()));
+    let handled = bench.controllers[TABLE].handle(bench.now, StationInput::Rejoin(None.into(), &[]));
     assert_eq!(handled, Handled::Ignored(Ignored::Moving));
     bench.wait_ms(60);
     assert_eq!(bench.outputs(TABLE), ["turn"]);

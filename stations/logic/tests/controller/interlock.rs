@@ -291,13 +291,13 @@ fn a_station_whose_axis_has_left_its_switch_is_rejoined_where_it_is() {
     let mut bench = InterlockBench::new(transfer_line(), GENERATION);
     let home = bench.op("return clamp");
     assert_eq!(
-        bench.clamp.handle(bench.now, StationInput::Rejoin(RejoinAt::Within(home))),
+        bench.clamp.handle(bench.now, StationInput::Rejoin(RejoinAt::Within(home), &[])),
         Handled::Ignored(Ignored::NotLost)
     );
     bench.set(&[]);
     assert!(bench.clamp.position_lost().is_some());
     assert!(bench.blocked().contains("rejoin"), "{}", bench.blocked());
-    assert!(bench.clamp.handle(bench.now, StationInput::Rejoin(RejoinAt::Within(home))).is_taken());
+    assert!(bench.clamp.handle(bench.now, StationInput::Rejoin(RejoinAt::Within(home), &[])).is_taken());
     bench.play();
     assert_eq!(bench.clamp.marking().collect::<Vec<_>>(), [StationPlace::incomplete(home)]);
     assert_eq!((bench.clamp.generation(), bench.clamp.position_lost()), (0, None));

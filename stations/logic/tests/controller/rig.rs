@@ -92,7 +92,7 @@ impl Rig {
     }
 
     pub fn rejoin(&mut self, within: Option<OpId>) -> Handled {
-        let handled = self.controller.handle(self.now, StationInput::Rejoin(within.into()));
+        let handled = self.controller.handle(self.now, StationInput::Rejoin(within.into(), &[]));
         self.refresh();
         handled
     }

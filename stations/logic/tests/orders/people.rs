@@ -45,6 +45,13 @@ fn led_to_the_end_by_hand_the_order_has_failed_all_the_same() {
     m1.done(&order(2, "machine"));
 }
 
+/// The wait of a station at the rest where its task was taken back to.
+fn taken_back(op: &str) -> String {
+    format!(
+        "a task: its order in auto, or advance at its panel to begin {op} again; it is at rest, its task taken back"
+    )
+}
+
 #[test]
 fn taken_back_at_the_panel_it_stands_where_the_task_began_and_any_task_can_begin() {
     let mut m1 = OrderBench::machining();
@@ -56,6 +63,7 @@ fn taken_back_at_the_panel_it_stands_where_the_task_began_and_any_task_can_begin
         ("slide in (undone)", Some("clamped")),
         "it had hardly moved"
     );
+    assert_eq!(m1.blocked_by(), [taken_back("slide in")], "nothing is amiss");
     m1.mode(ControlMode::Auto);
     assert_eq!(m1.doing(), "clamp close (done)", "the place that stands for the rest");
     m1.done(&order(3, "release"));
@@ -219,7 +227,7 @@ fn the_panel_takes_a_task_back_to_its_rest_and_none_that_is_done() {
     assert_eq!(m1.doing(), "slide in (done)");
     m1.through(Retract(true));
     assert_eq!(m1.doing(), "slide in (undone)");
-    assert_eq!(m1.blocked_by(), ["advance or return at its panel"]);
+    assert_eq!(m1.blocked_by(), [taken_back("slide in")]);
     m1.hold(&[Retract(true)]);
     assert_eq!((m1.doing().as_str(), m1.outputs), ("clamp close (done)", 0), "a rest is a stop");
     m1.hold(&[]);
@@ -250,7 +258,7 @@ fn an_input_that_holds_a_motion_is_named_in_hand_and_in_manual() {
     m1.hold(&[Advance(true)]);
     assert_eq!((m1.doing().as_str(), m1.outputs), ("clamp close (undone)", 0));
     let missing = "part_present (m1 io, node 02h, 6000h:01 bit 6) to be on, for clamp close";
-    assert_eq!(m1.blocked_by(), [missing, "advance or return at its panel"]);
+    assert_eq!(m1.blocked_by(), [missing, &taken_back("clamp close")]);
     m1.hold(&[]);
     m1.mode(ControlMode::Auto);
     m1.mode(ControlMode::Hand);
