@@ -118,16 +118,45 @@ fn a_handshake_that_never_completes_is_reported() {
         } else {
             edited(C1_LINE, &[edit])
         };
-        let found = problems(C1, Some(&line_of(&line)));
-        let one = |problem: &Problem| {
-            let (place, hint) = (&C1[problem.span.clone()], problem.hint.as_deref().unwrap_or_default());
-            let warning = if problem.is_warning { "warning: " } else { "" };
-            format!("> {place}: {warning}{}\n  ({hint})\n", problem.message)
-        };
-        format!("{title}\n{}", found.iter().map(one).collect::<String>())
+        format!("{title}\n{}", listed(C1, &line))
     })
     .collect();
     assert_eq!(reported, include_str!("problems/handshakes.txt"));
+}
+
+/// The problems of a cell beside a line: where, what, what to do.
+fn listed(cell: &str, line: &str) -> String {
+    let one = |problem: &Problem| {
+        let (place, hint) = (&cell[problem.span.clone()], problem.hint.as_deref().unwrap_or_default());
+        let warning = if problem.is_warning { "warning: " } else { "" };
+        format!("> {place}: {warning}{}\n  ({hint})\n", problem.message)
+    };
+    problems(cell, Some(&line_of(line))).iter().map(one).collect()
+}
+
+/// What a hand takes and puts down where the cell does not count it: edits of the line's text, and of the cell's.
+#[test]
+fn a_part_taken_or_put_down_elsewhere_is_reported() {
+    const SAME: (&str, &str) = ("title", "title");
+    let reach = "[[station.reach]]\nhand = \"hand\"\nto = \"m1.clamp\"\nwhen = { arm = 200 }\n";
+    let other = reach.replace("m1.clamp", "m3.clamp");
+    let begin = C1_LINE.find("[[station.reach]]").expect("it is there");
+    let store = &C1_LINE[begin..C1_LINE.find(reach).expect("it is there")];
+    let from_machine = reach.replace("m1.clamp", "m2.clamp").replace("200", "100");
+    let robot = |task: &str| {
+        format!("task = \"{task}\", parameters = {{ slot = \"ST.position\" }}, max_s = 24 }},\n  {{ station = \"m1\"")
+    };
+    let (loads, unloads) = (robot("load m1"), robot("unload m1"));
+    let reported: String = [
+        ("puts down at another machine", (reach, other.as_str()), SAME),
+        ("opens where it reaches nothing", (reach, ""), SAME),
+        ("unloads with the task that loads", SAME, (unloads.as_str(), loads.as_str())),
+        ("takes from a machine", (store, from_machine.as_str()), SAME),
+    ]
+    .into_iter()
+    .map(|(title, line, cell)| format!("{title}\n{}", listed(&edited(C1, &[cell]), &edited(C1_LINE, &[line]))))
+    .collect();
+    assert_eq!(reported, include_str!("problems/handed_elsewhere.txt"));
 }
 
 /// A part may be laid into a clamp that is open, and be clamped when the hand has left.

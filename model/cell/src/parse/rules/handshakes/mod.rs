@@ -7,6 +7,7 @@
 //! order of events completes is reported, as an error. Where another input of the same axis completes it, two inputs have been
 //! taken for each other.
 
+mod places;
 mod transfers;
 
 use std::collections::BTreeSet;
@@ -18,8 +19,8 @@ use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 
 /// Positions nearer than this are the same place, as for the motions of a line.
 const SAME_PLACE: f64 = 1e-6;
-/// States that are looked at for one activity, those with other inputs included; what is not decided by then is left so. An activity of
-/// two stations has some hundred.
+/// States that are looked at for one activity, those with other inputs included; a warning states what is not decided by then. An
+/// activity of two stations has some hundred.
 const STATES_MAX: usize = 100_000;
 
 /// Applies the rule to each activity.
@@ -31,9 +32,9 @@ pub(super) fn activities_can_complete(draft: &DraftCell<'_>, report: &mut Report
         let problems = match handshake.course(None, SwitchEdge::Sharp, &mut left) {
             Course::Stuck(waiting) => handshake.stuck(&activity.name, &waiting, &mut left).into_iter().collect(),
             Course::Completes => handshake.unordered_transfers(&mut left),
-            Course::Undecided => Vec::new(),
+            Course::Undecided => vec![undecided(activity)],
         };
-        problems.into_iter().for_each(|problem| report.add(problem));
+        problems.into_iter().chain(handshake.misplaced(draft, activity)).for_each(|problem| report.add(problem));
     }
 }
 
@@ -364,6 +365,15 @@ impl<'d, 'a> Handshake<'d, 'a> {
             Grip::Loose => None,
         })
     }
+}
+
+fn undecided(activity: &DraftActivity<'_>) -> Problem {
+    let message = format!(
+        "whether the orders of `{}` can complete is not decided: they have more than {STATES_MAX} states",
+        activity.name
+    );
+    let hint = "fewer stations in one activity, or tasks with fewer operations, can be decided";
+    Problem::warning(activity.at.clone(), message).label("not decided").hint(hint)
 }
 
 fn same_place(a: f64, b: f64) -> bool {

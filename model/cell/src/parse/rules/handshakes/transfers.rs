@@ -27,11 +27,11 @@ struct ClampTransfer {
 }
 
 impl Player<'_, '_> {
-    fn stands(&self, progress: usize, stand: &Stand) -> bool {
+    pub(super) fn stands(&self, progress: usize, stand: &Stand) -> bool {
         stand.station == self.id && self.places[progress][stand.axis.index()].is_some_and(|at| same_place(at, stand.at))
     }
 
-    fn is_at(&self, progress: usize, reach: &Reach) -> bool {
+    pub(super) fn is_at(&self, progress: usize, reach: &Reach) -> bool {
         reach.when.iter().all(|stand| self.stands(progress, stand))
     }
 
