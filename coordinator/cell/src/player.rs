@@ -339,7 +339,7 @@ impl Coordination {
     fn settle(&mut self, now: Tick, out: &mut PlayerOutbox) {
         while let Some(&id) = self.state.settled.first() {
             match self.state.firing(id).map(|firing| firing.next()) {
-                Some(PendingRecord::End) => self.write(now, RecordKind::Ended { firing: id }, out),
+                Some(PendingRecord::End) => self.end(now, id, out),
                 Some(PendingRecord::Fail(cause)) => self.fail(now, id, cause, out),
                 // Only firings that have something next are listed.
                 Some(PendingRecord::Wait) | None => return,

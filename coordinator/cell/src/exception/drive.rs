@@ -3,28 +3,18 @@
 use linewright_line::{StationId, Tick};
 
 use super::super::firing::{ActivityPhase, OngoingActivity};
-use super::super::ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ResourceId};
+use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::super::orders::{PlayerOutbox, TaskReport};
 use super::super::player::Coordination;
 use super::super::record::{ActivityFailure, OrderFailure, RecordKind};
 use super::book::ExceptionStage;
+use super::compare::SensorVerdict;
 use super::fact::{
-    AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, SecuredState, SensorMismatch,
-    Strategy, Whereabouts,
+    AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, SecuredState, Strategy, Whereabouts,
 };
 use super::policy::{PermittedAnswer, usual};
-use super::request::{Presence, StationUnavailable};
+use super::request::StationUnavailable;
 use crate::texts::{alarm, called};
-
-/// Result of comparing sensors with an answer.
-enum SensorVerdict {
-    /// The reports are older than the answer.
-    Wait,
-    /// Something else.
-    Differs(Vec<SensorMismatch>),
-    /// Agreement, but for these, whose sensors give nothing.
-    Agrees(Vec<ResourceId>),
-}
 
 impl Coordination {
     pub(super) fn except(&mut self, now: Tick, step: ExceptionStep, out: &mut PlayerOutbox) {
@@ -356,124 +346,9 @@ impl Coordination {
         has.iter().any(|&cell| self.state.marking().count(cell) > 0)
     }
 
-    /// Expected value of the sensor of a resource, by the marking; none if parts are in it of which it may see one or not:
-    /// in a `fifo-buffer` they come to the end by themselves, at an unknown time.
-    fn expected(&self, resource: ResourceId) -> Option<bool> {
-        let of = self.state.table().handling().resource(resource)?;
-        let has = |cells: &[CellId]| cells.iter().any(|&cell| self.state.marking().count(cell) > 0);
-        match (has(&of.sees), has(&of.has)) {
-            (true, _) => Some(true),
-            (false, true) => None,
-            (false, false) => Some(false),
-        }
-    }
-
-    fn verdict(&self, now: Tick, firing: &OngoingActivity, ruling: &RecoveryDecision, since: Tick) -> SensorVerdict {
-        let (handling, repeat_interval) = (self.state.table().handling(), self.state.table().repeat_interval());
-        let handled = handling.mode(firing.mode);
-        let (mut found, mut unchecked, mut waits) = (Vec::new(), Vec::new(), false);
-        for id in handled.resources() {
-            let Some(station) = handling.resource(id).filter(|of| of.is_sensed).and_then(|of| of.station) else {
-                continue;
-            };
-            if self.is_in_use(id, Some(firing.id)) {
-                unchecked.push(id);
-                continue;
-            }
-            // What was on its way while it was put right does not count.
-            let seen = self.watch.seen(station).filter(|seen| seen.at >= since + repeat_interval);
-            let Some(seen) = seen else {
-                if now < since + handling.secure.max(repeat_interval) {
-                    waits = true
-                } else {
-                    unchecked.push(id)
-                }
-                continue;
-            };
-            // What was put into a row has perhaps not come to its end yet.
-            let is_on_its_way =
-                ruling.part == Whereabouts::To && handling.resource(id).is_some_and(|of| !of.sees_all());
-            let model = match handled.holder(ruling.part) == Some(id) {
-                true if is_on_its_way => None,
-                true => Some(true),
-                false => self.expected(id),
-            };
-            match (seen.heard.presence, model) {
-                (Presence::NoSensor | Presence::Unread, _) | (_, None) => unchecked.push(id),
-                (Presence::On, Some(model @ false)) => {
-                    found.push(SensorMismatch { resource: id, model, plant: true });
-                }
-                (Presence::Off, Some(model @ true)) => {
-                    found.push(SensorMismatch { resource: id, model, plant: false });
-                }
-                (Presence::On, Some(true)) | (Presence::Off, Some(false)) => (),
-            }
-        }
-        match (waits, found.is_empty()) {
-            (true, _) => SensorVerdict::Wait,
-            (false, false) => SensorVerdict::Differs(found),
-            (false, true) => SensorVerdict::Agrees(unchecked),
-        }
-    }
-
-    /// Last value of the sensor of a resource, if it has one.
-    pub(in super::super) fn presence(&self, id: ResourceId) -> Presence {
-        let sensed = self.state.table().handling().resource(id).filter(|of| of.is_sensed);
-        let Some(station) = sensed.and_then(|of| of.station) else { return Presence::NoSensor };
-        self.watch.seen(station).map_or(Presence::Unread, |seen| seen.heard.presence)
-    }
-
     /// The awaited inputs of a station that are off, by its last report.
     pub(crate) fn awaited_off(&self, station: StationId) -> u128 {
         self.watch.seen(station).map_or(0, |seen| seen.heard.off)
-    }
-
-    /// Difference between the sensor of a resource and a model in which nothing is under way; none if they agree or the
-    /// sensor has no value.
-    pub(super) fn difference(&self, id: ResourceId) -> Option<SensorMismatch> {
-        let model = self.expected(id)?;
-        match self.presence(id) {
-            Presence::On if !model => Some(SensorMismatch { resource: id, model, plant: true }),
-            Presence::Off if model => Some(SensorMismatch { resource: id, model, plant: false }),
-            Presence::NoSensor | Presence::Unread | Presence::On | Presence::Off => None,
-        }
-    }
-
-    /// Compares model and plant of resources not compared in this life, as soon as the plant is known and nothing is
-    /// under way there.
-    fn compare_anew(&mut self, now: Tick, out: &mut PlayerOutbox) {
-        let all: Vec<(ResourceId, Tick)> = self.watch.uncompared.iter().map(|(&id, &from)| (id, from)).collect();
-        for (id, from) in all {
-            if self.is_in_use(id, None) {
-                self.watch.uncompared.insert(id, from.max(now + self.state.table().repeat_interval()));
-                continue;
-            }
-            let station = self.state.table().handling().resource(id).and_then(|of| of.station);
-            let seen = station.and_then(|station| self.watch.seen(station)).filter(|seen| seen.at >= from);
-            if seen.is_none_or(|seen| !seen.heard.presence.is_known()) {
-                continue;
-            }
-            self.watch.uncompared.remove(&id);
-            self.reconsider();
-            if let Some(found) = self.difference(id) {
-                self.mismatch(now, found, out);
-            }
-        }
-    }
-
-    /// A sensor contradicts the model: the resource is left out until an operator has put that right.
-    pub(super) fn mismatch(&mut self, now: Tick, found: SensorMismatch, out: &mut PlayerOutbox) {
-        let resource = found.resource;
-        self.except(now, ExceptionStep::Mismatch { about: AlarmSubject::Resource(resource), found: vec![found] }, out);
-        if self.state.exceptions().is_down(resource).is_none() {
-            self.leave_out(now, resource, OutOfServiceReason::Mismatch, out);
-        }
-        let missing = self.state.resting(resource).map(|(_, part)| part).filter(|_| found.model);
-        let text = alarm::mismatch(&self.state, &found, missing);
-        let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
-        let words = [alarm::UP].into_iter().chain(missing.map(|_| alarm::GONE)).map(str::to_owned).collect();
-        let about = AlarmSubject::Resource(resource);
-        self.except(now, ExceptionStep::Alarmed { alarm, about, text, words, finding: None }, out);
     }
 
     /// Starts repetitions that are due, before the dispatcher is asked.

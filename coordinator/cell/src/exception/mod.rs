@@ -27,6 +27,7 @@
 mod answer;
 mod apply;
 mod book;
+mod compare;
 mod current;
 mod direction;
 mod drive;

@@ -47,8 +47,17 @@ pub(in super::super) struct StationMonitor {
     pub(super) strays: BTreeSet<StationId>,
     /// Stations that a person leads in manual while the others are in auto, and the epoch since which it is so.
     pub(super) in_manual: BTreeMap<StationId, u64>,
-    /// Resources of which model and plant have not been compared in this life, and the time from which reports count.
-    pub(super) uncompared: BTreeMap<ResourceId, Tick>,
+    /// Resources of which model and plant have still to be compared: not in this life, or with a difference when an activity ended.
+    pub(super) uncompared: BTreeMap<ResourceId, PendingComparison>,
+}
+
+/// Which reports of a resource's sensor count.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PendingComparison {
+    /// One of this time or later that agrees with the model ends it.
+    pub(super) agrees_from: Tick,
+    /// One of this time or later that differs is a mismatch: what was under way before has come to its end.
+    pub(super) differs_from: Tick,
 }
 
 impl StationMonitor {
@@ -58,7 +67,8 @@ impl StationMonitor {
         let handling = state.table().handling();
         let from = if state.epoch() == 0 { now } else { now + state.table().grace() };
         let sensed = handling.resource_ids().filter(|id| handling.resources[id.index()].is_sensed);
-        let uncompared = sensed.map(|id| (id, from)).collect();
+        let pending = PendingComparison { agrees_from: from, differs_from: from };
+        let uncompared = sensed.map(|id| (id, pending)).collect();
         StationMonitor { began: now, now, uncompared, ..StationMonitor::default() }
     }
 

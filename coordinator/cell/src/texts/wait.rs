@@ -57,7 +57,10 @@ impl CellWait<'_> {
             CellWait::InProgress => "maximum number in progress".to_owned(),
             CellWait::Ready => "ready; starts in auto, when states of all its stations are received".to_owned(),
             CellWait::Uncompared { resource } => {
-                format!("{resource}: presence sensor not read yet; after a restart it is compared with the model first")
+                format!(
+                    "{resource}: its presence sensor is compared with the model first, after a restart and where it differs when an \
+                     activity has ended"
+                )
             }
             CellWait::OutOfService { resource, seconds, why } => {
                 format!("{resource} out of service for {seconds} s: {why}")

@@ -5,6 +5,7 @@ mod alarms;
 mod bench;
 mod crash;
 mod emergency;
+mod ends;
 mod missed;
 mod moves;
 mod rehearsed;

@@ -329,7 +329,8 @@ fn nothing_starts_at_a_machine_whose_sensor_was_not_read_yet() {
     let why = why_not(&ways, &Reasons::default(), &bench.sim.coordination, bench.sim.now, PartId(1));
     assert_eq!(
         why[1],
-        "`load M1`: M1: presence sensor not read yet; after a restart it is compared with the model first."
+        "`load M1`: M1: its presence sensor is compared with the model first, after a restart and where it differs when an activity has \
+         ended."
     );
     // Read at last, it sees a part that no log knows.
     bench.at("m1").presence = Presence::On;

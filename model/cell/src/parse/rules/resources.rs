@@ -2,10 +2,13 @@
 
 use std::collections::HashMap;
 
-use linewright_line::{Line, Operation, OperationModule, Station};
+use linewright_line::{Line, Operation, OperationModule, Sensor, Sign, Station, StationId};
 use linewright_text::{LocatedName, Problem, Report, suggestion};
 
 use crate::parse::draft::{DraftCell, DraftResource};
+
+const NO_PART: &str = "shows where an axis stands, and no part";
+const NAME_A_SENSOR: &str = "name the input of a sensor that is on while a part is there, or leave `presence` out";
 
 pub(super) fn capacity_is_possible(resource: &DraftResource<'_>, report: &mut Report) {
     let Some(prototype) = resource.prototype else { return };
@@ -52,9 +55,12 @@ pub(super) fn presence_is_an_input(draft: &DraftCell<'_>, resource: &DraftResour
     if let Some(operation) = limited_by(line.station(id), &presence.value) {
         report.add(
             Problem::warning(presence.at.clone(), format!("`{}` is the limit switch of `{operation}`", presence.value))
-                .label("shows where an axis stands, and no part")
-                .hint("name the input of a sensor that is on while a part is there, or leave `presence` out"),
+                .label(NO_PART)
+                .hint(NAME_A_SENSOR),
         );
+    } else if inputs.iter().position(|input| *input == presence.value).is_some_and(|at| sees_axes_alone(line, id, at)) {
+        let message = format!("the `[[sensor]]` of `{}` sees no part", presence.value);
+        report.add(Problem::warning(presence.at.clone(), message).label(NO_PART).hint(NAME_A_SENSOR));
     }
     if !inputs.contains(&presence.value) {
         report.add(
@@ -65,6 +71,14 @@ pub(super) fn presence_is_an_input(draft: &DraftCell<'_>, resource: &DraftResour
             .maybe_hint(suggestion(&presence.value, inputs.iter().map(String::as_str))),
         );
     }
+}
+
+/// Whether an input has sensors, and all of them see axes.
+fn sees_axes_alone(line: &Line, station: StationId, input: usize) -> bool {
+    let of_input = |sensor: &&Sensor| sensor.station == station && sensor.input.index() == input;
+    let mut sensors = line.handling.sensors.iter().filter(of_input).peekable();
+    let is_axis = |sign: &Sign| matches!(sign, Sign::Stands(_));
+    sensors.peek().is_some() && sensors.all(|sensor| sensor.when.iter().all(is_axis))
 }
 
 /// The operation that an input completes, on or back.
