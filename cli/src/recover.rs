@@ -75,6 +75,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     if args.once || args.json {
         client.listen(line.timing.refresh * 4).await?;
         let mut newest = NewestPlan::default();
+        newest.settle(&mut client, &mut cell).await?;
         let found = newest.look(&client, cell.as_ref());
         if args.json {
             crate::out::json(&RecoveryJson::of(&client, &path, found))?;
@@ -92,6 +93,10 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     follow(&mut client, cell, &path).await
 }
 
+/// In place of a plan that is looked for, after a time in which the one before is shown.
+const SEARCHING: &str = "the way back is looked for";
+const SHOWN_AFTER: Duration = Duration::from_secs(1);
+
 /// Shows the plan until auto is in force.
 async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path: &str) -> miette::Result<ExitCode> {
     let mut screen = if std::io::stdout().is_terminal() { Some(Screen::open()?) } else { None };
@@ -108,6 +113,12 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
             }
             _ = looks.tick() => if std::mem::take(&mut has_changed) {
                 let found = newest.look(client, cell.as_ref()).cloned();
+                if let Some(searching) = newest.searching() {
+                    has_changed = true;
+                    if searching < SHOWN_AFTER || shown.last().is_some_and(|last| last == SEARCHING) {
+                        continue;
+                    }
+                }
                 if let (Some(before), Some(now)) = (&before, &found) {
                     done.extend(newly_done(client.line(), &before.plan, &now.plan));
                 }
@@ -115,7 +126,8 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
                 failures.note(next, |id| newest.moves(id), |id| client.station(id).is_some_and(comes_again));
                 let commands = if screen.is_some() { Commands::First } else { Commands::AllAgain };
                 let of = PictureOf { done: &done, found: found.as_ref(), commands, failed: failures.count() };
-                let lines = picture(client, path, &of);
+                let mut lines = picture(client, path, &of);
+                lines.extend(newest.searching().map(|_| SEARCHING.to_owned()));
                 match &mut screen {
                     Some(screen) => screen.show(&lines)?,
                     None if lines != shown => crate::out::say!("{}\n", lines.join("\n")),

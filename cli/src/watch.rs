@@ -100,7 +100,7 @@ async fn once(
     while let Ok(heard) = tokio::time::timeout_at(until, client.next()).await {
         drop(view.take(&heard?));
     }
-    view.look(client, cell.as_ref());
+    view.settle(client, &mut cell).await?;
     let state = cell.as_ref().and_then(CellClient::heard_lately);
     if args.json {
         let cell = state.map(|state| CellWatchJson::of(state, &view.out_of_service));

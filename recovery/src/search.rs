@@ -266,14 +266,32 @@ impl<'f, 'l> Search<'f, 'l> {
     fn confirmations(&self, units: &PlayedStations, station: usize) -> Vec<Move> {
         let id = StationId::at(station);
         let still = |action, after| Move::of(action, Vec::new(), Duration::ZERO, after);
-        let asked = |at| units[station].controller.numbers_to_confirm(at).to_vec();
+        let (described, report) = (self.floor.line.station(id), &units[station].report);
+        let task = |op: OpId| {
+            described
+                .tasks
+                .iter()
+                .position(|task| described.steps[task.steps.clone()].iter().flatten().any(|of| *of == op))
+        };
+        let marked: Vec<OpId> = report.incomplete.iter().map(|&(op, _)| op).collect();
+        // The numbers of the task within which it is known to stand are in its journal.
+        let are_known = |at: RejoinAt| match at {
+            RejoinAt::Within(op) => report.placed && marked.iter().any(|&of| task(of) == task(op)),
+            RejoinAt::Measured | RejoinAt::Rest(_) => report.placed,
+        };
+        let asked = |at: RejoinAt| match are_known(at) {
+            true => Vec::new(),
+            false => units[station].controller.numbers_to_confirm(at).to_vec(),
+        };
         if let Some(after) = self.floor.rejoin(units, station, RejoinAt::Measured) {
             let (at, parameters) = (RejoinAt::Measured, vec![asked(RejoinAt::Measured)]);
             let action = RecoveryAction::Rejoin { station: id, at, or_within: Vec::new(), parameters };
             return vec![still(action, after)];
         }
         let within = |op: OpId| Some((op, self.floor.rejoin(units, station, RejoinAt::Within(op))?));
-        let fitting: Vec<(OpId, PlayedStations)> = self.floor.line.station(id).op_ids().filter_map(within).collect();
+        let mut fitting: Vec<(OpId, PlayedStations)> = described.op_ids().filter_map(within).collect();
+        // Where it is marked to stand goes first, then the same task.
+        fitting.sort_by_key(|&(op, _)| (!marked.contains(&op), !marked.iter().any(|&of| task(of) == task(op))));
         let others = |of: OpId| fitting.iter().map(|&(op, _)| op).filter(|&op| op != of).collect();
         let at = |op: OpId| {
             let or_within: Vec<OpId> = others(op);

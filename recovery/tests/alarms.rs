@@ -365,3 +365,35 @@ fn a_station_that_lost_its_journal_is_led_though_no_alarm_asks() {
         assert!(!is_led(&seen).0, "with its activity, later");
     }
 }
+
+/// Its switch has failed, and it has its journal: the list asked for the number of its slot, and a guess replaced the right one.
+#[test]
+fn a_number_that_the_journal_has_is_not_asked_for() {
+    let [(_, line), _] = shipped();
+    let robot = line.station_named("robot").expect("it is one");
+    let station = line.station(robot);
+    let op = station.operation_named("grasp for m2").expect("it is one");
+    let fresh = Controller::new(&line, robot, 7, Restore::Fresh).expect("it compiles");
+    let snapshot = StationSnapshot { placed: true, marking: vec![StationPlace::undone(op)], ..fresh.snapshot() };
+    let mut controller = Controller::new(&line, robot, 7, Restore::From(snapshot)).expect("it compiles");
+    let at_store = station.inputs.iter().position(|input| input == "at_store").expect("it is one");
+    let (now, until, under) = (Tick::from_millis(1), Tick::NEVER, NO_DELAY);
+    controller.handle(now, StationInput::Inputs { bits: 1 << at_store, valid: true, until, under });
+    controller.step(now, &mut StationOutbox::default());
+    let (_, mut seen) = two_are_left_out(ControlMode::StandBy);
+    seen.alarms.clear();
+    for id in line.station_ids() {
+        let mut controller = Controller::new(&line, id, 7, Restore::Fresh).expect("it compiles");
+        controller.handle(now, StationInput::Inputs { bits: at_home(&line, id), valid: true, until, under });
+        controller.step(now, &mut StationOutbox::default());
+        seen.stations[id.index()] = Some(controller.report());
+    }
+    seen.stations[robot.index()] = Some(controller.report());
+    seen.left_out = Vec::new();
+    let found = plan(&line, &seen);
+    let is_rejoin = |step: &&RecoveryStep| matches!(step.action, RecoveryAction::Rejoin { .. });
+    let step = found.steps.iter().find(is_rejoin).unwrap_or_else(|| panic!("{found:?}"));
+    let (text, commands) = (step.text(&line), step.commands(&line));
+    assert!(commands[0].contains(&"grasp for m2".to_owned()), "where it is marked to stand goes first: {commands:?}");
+    assert!(!commands[0].contains(&"--with".to_owned()), "{text}: {commands:?}");
+}

@@ -20,7 +20,7 @@ use crate::load;
 /// Confirm where a station stands.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A station that started without its journal does not move. Check the machine first: this sets its marking from its limit switches. Between two switches, name the operation it was stopped in. A task-driven station that stands at another rest than its journal says is confirmed in the same way. Within a task its parameters are lost with the journal, and are confirmed with the place: --with slot=2. A number that was wrong is given again. Then lead all stations home in manual and give auto."
+    after_help = "A station that started without its journal does not move. Check the machine first: this sets its marking from its limit switches. Between two switches, name the operation it was stopped in. A task-driven station that stands at another rest than its journal says is confirmed in the same way. Within a task its parameters are lost with the journal, and are confirmed with the place: --with slot=2. A number that was given wrongly is given again; those of an order are not replaced. Then lead all stations home in manual and give auto."
 )]
 pub struct RejoinArgs {
     /// The line's directory, or its description file.
@@ -201,6 +201,11 @@ fn unchanged(state: Option<&Stand>, named: Option<&str>, has_numbers: bool) -> S
             "rejected: its I/O devices are not operational, so its switches measure nothing".to_owned()
         }
         (Some(advice), _) if advice.contains(NUMBERS_LOST) && !has_numbers => advice.to_owned(),
+        (Some(advice), _) if has_numbers && !advice.contains(NUMBERS_LOST) => {
+            format!(
+                "the numbers of its task are known from its order, or it stands in none; confirm its place without --with: {advice}"
+            )
+        }
         (Some(advice), Some(named)) => {
             let advice = advice.replace("name its operation with", "name another operation with");
             let numbers = if has_numbers { ", or the numbers are not those of its task" } else { "" };
@@ -211,6 +216,9 @@ fn unchanged(state: Option<&Stand>, named: Option<&str>, has_numbers: bool) -> S
         (None, None) if state.is_lost => format!("its switches do not tell where it stands: {}", state.fault),
         (None, _) if state.generation == 0 && !state.is_task_driven => {
             "no answer received, and its state is as before; confirm again, and see its log".to_owned()
+        }
+        (None, _) if has_numbers => {
+            "its position is known, and the numbers of its task from its order: nothing to confirm".to_owned()
         }
         (None, _) => "its position is known, and its switches agree: nothing to confirm".to_owned(),
     }

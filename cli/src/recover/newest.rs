@@ -1,5 +1,9 @@
 //! The plan for what is received now.
 
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
 use linewright_coordinator_cell::AlarmId;
 use linewright_coordinator_cell::exception::ExceptionStage;
 use linewright_coordinator_cell::texts::recovery;
@@ -12,9 +16,15 @@ use linewright_recovery::{
     StandingAlarm, plan,
 };
 
+use super::next_of;
 use super::progress::behind_signals;
 use crate::cell::{CellClient, permitted};
 use crate::client::OperatorClient;
+
+/// Most searches have ended by then, and are waited for.
+const AT_ONCE: Duration = Duration::from_millis(20);
+/// A situation that changes all the time has no plan.
+const SETTLED_WITHIN: Duration = Duration::from_secs(30);
 
 /// A plan, with the reason of each step that needs one.
 #[derive(Clone)]
@@ -28,10 +38,17 @@ pub struct ReasonedPlan {
 }
 
 /// The newest plan, with the situation that it was made for: the same situation needs no other search.
+///
+/// A search may take seconds, in which states have to be received: it is done in a thread, and what it finds is a plan only while the
+/// situation is the one that it was made for.
 #[derive(Default)]
 pub struct NewestPlan {
     known: Option<(LineSituation, ReasonedPlan)>,
     reached: EndsReached,
+    /// The search that is under way, with its begin.
+    search: Option<(Instant, Receiver<(LineSituation, ReasonedPlan)>)>,
+    /// Whether the known plan is that of the situation looked at last.
+    is_current: bool,
 }
 
 impl ReasonedPlan {
@@ -41,30 +58,73 @@ impl ReasonedPlan {
     }
 }
 
+/// Looks for the plan of a situation.
+fn reasoned(line: &Line, situation: &LineSituation) -> ReasonedPlan {
+    let plan = plan(line, situation);
+    let reasons = plan.reasons(line, situation).into_iter().map(|why| why.map(|why| why.text(line))).collect();
+    let next = behind_signals(&plan).map(|at| &plan.steps[at].action);
+    let returns_home = match next {
+        Some(RecoveryAction::Press(station, PanelButton::Advance)) => plan.returns_home(line, situation, *station),
+        _ => false,
+    };
+    ReasonedPlan { signals_off: situation.signals_off(line), plan, reasons, returns_home }
+}
+
 impl NewestPlan {
-    /// The plan for what is received now; none where the coordinator is not received.
+    /// The plan for what is received now, as far as it is known by now: a search goes on beside, and is asked for at the next look. None
+    /// also where the coordinator is not received.
     pub fn look(&mut self, client: &OperatorClient, cell: Option<&CellClient>) -> Option<&ReasonedPlan> {
         let mut now = situation_now(client, cell);
         if let Some(situation) = &mut now {
             self.reached.complete(client.line(), situation);
         }
-        if self.known.as_ref().map(|(known, _)| known) != now.as_ref() {
-            self.known = now.map(|situation| {
-                let plan = plan(client.line(), &situation);
-                let reasons = plan.reasons(client.line(), &situation).into_iter();
-                let reasons = reasons.map(|why| why.map(|why| why.text(client.line()))).collect();
-                let (line, signals_off) = (client.line(), situation.signals_off(client.line()));
-                let next = behind_signals(&plan).map(|at| &plan.steps[at].action);
-                let returns_home = match next {
-                    Some(RecoveryAction::Press(station, PanelButton::Advance)) => {
-                        plan.returns_home(line, &situation, *station)
-                    }
-                    _ => false,
-                };
-                (situation, ReasonedPlan { plan, reasons, signals_off, returns_home })
-            });
+        self.take_found(Duration::ZERO);
+        self.is_current = self.known.as_ref().map(|(known, _)| known) == now.as_ref();
+        if let Some(situation) = now.filter(|_| !self.is_current && self.search.is_none()) {
+            let (to, found) = channel();
+            let (line, of) = (client.line().clone(), situation.clone());
+            thread::spawn(move || drop(to.send((of, reasoned(&line, &situation)))));
+            self.search = Some((Instant::now(), found));
+            self.is_current = self.take_found(AT_ONCE);
         }
-        self.known.as_ref().map(|(_, found)| found)
+        self.known.as_ref().filter(|_| self.is_current).map(|(_, found)| found)
+    }
+
+    /// Looks until the plan is known, or the coordinator is not received, and receives all the while: what is shown beside the plan has
+    /// to be of now as well.
+    ///
+    /// # Errors
+    /// When the middleware has failed.
+    pub async fn settle(&mut self, client: &mut OperatorClient, cell: &mut Option<CellClient>) -> miette::Result<()> {
+        let end = Instant::now() + SETTLED_WITHIN;
+        loop {
+            self.look(client, cell.as_ref());
+            if self.searching().is_none() || Instant::now() > end {
+                return Ok(());
+            }
+            tokio::select! {
+                heard = client.next() => drop(heard?),
+                heard = next_of(cell) => heard?,
+                () = tokio::time::sleep(AT_ONCE) => {}
+            }
+        }
+    }
+
+    /// For how long the plan of what is received now has been looked for; none where it is known.
+    pub fn searching(&self) -> Option<Duration> {
+        self.search.as_ref().filter(|_| !self.is_current).map(|(since, _)| since.elapsed())
+    }
+
+    /// Takes what a search has found, if it ends within so long.
+    fn take_found(&mut self, within: Duration) -> bool {
+        let Some((_, search)) = &self.search else { return false };
+        match search.recv_timeout(within) {
+            Ok(found) => self.known = Some(found),
+            Err(RecvTimeoutError::Timeout) => return false,
+            Err(RecvTimeoutError::Disconnected) => {}
+        }
+        self.search = None;
+        true
     }
 
     /// Whether a station moves, as it was received last.

@@ -52,6 +52,7 @@ pub async fn run(client: &mut OperatorClient, mut cell: Option<CellClient>, path
     let mut looks = tokio::time::interval(LOOK_EVERY);
     let mut again = tokio::time::interval(AGAIN_EVERY);
     let mut newest = NewestPlan::default();
+    newest.settle(client, &mut cell).await?;
     let mut plan = PublishedPlan::of(client, path, newest.look(client, cell.as_ref()))?;
     crate::out::say!("publishes {}", plans.topic());
     loop {
@@ -60,7 +61,11 @@ pub async fn run(client: &mut OperatorClient, mut cell: Option<CellClient>, path
             heard = next_of(&mut cell) => heard?,
             // What is no longer heard changes a plan as well, and no message tells of that.
             _ = looks.tick() => {
-                let before = std::mem::replace(&mut plan, PublishedPlan::of(client, path, newest.look(client, cell.as_ref()))?);
+                let found = newest.look(client, cell.as_ref()).cloned();
+                if newest.searching().is_some() {
+                    continue;
+                }
+                let before = std::mem::replace(&mut plan, PublishedPlan::of(client, path, found.as_ref())?);
                 if before.text != plan.text {
                     plans.send(Text { data: plan.text.clone() });
                 }

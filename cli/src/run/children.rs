@@ -21,10 +21,13 @@ use crate::load::Files;
 
 /// Most time for a child to end by itself before it is killed: it has outputs to let go of.
 const END_WITHIN: Duration = Duration::from_secs(2);
-/// A child that ends sooner than this after its start is not started again at once.
+/// A child that is killed sooner than this after its start, or ends by itself sooner than that, has not come up.
 const SHORT_LIFE: Duration = Duration::from_secs(1);
+const SHORT_LIFE_BY_ITSELF: Duration = Duration::from_secs(10);
 /// A child that never lives long is given up after this many starts in a row.
 const SHORT_LIVES_MAX: u32 = 3;
+/// Characters of a log that are shown in a line of what has happened.
+const LINE_CHARS: usize = 400;
 
 /// As much of a log's end is looked at to show its last lines.
 const TAIL_BYTES: u64 = 16 * 1024;
@@ -119,7 +122,8 @@ impl Children {
         let mut revived = Vec::new();
         for member in &mut self.members {
             let Some(status) = member.child.try_wait().into_diagnostic()? else { continue };
-            let short = member.started.elapsed() < SHORT_LIFE;
+            let limit = if status.code().is_some() { SHORT_LIFE_BY_ITSELF } else { SHORT_LIFE };
+            let short = member.started.elapsed() < limit;
             member.short_lives = if short { member.short_lives + 1 } else { 0 };
             if member.short_lives >= SHORT_LIVES_MAX {
                 let why = why_ended(&member.log, member.log_from);
@@ -132,12 +136,16 @@ impl Children {
                     "{name} has ended ({status}) and is not started again: {file} is not what the line was started with"
                 ));
             }
+            let why = match status.code() {
+                None | Some(0) => String::new(),
+                Some(_) => format!(": {}", last_line(&why_ended(&member.log, member.log_from))),
+            };
             member.log_from = length(&member.log);
             member.child = spawn(&member.args, &member.log, self.buses.as_deref(), member.is_last)?;
             pass_on(member.child.stdout.take(), &self.plant_lines.0);
             member.started = Instant::now();
             self.restarts += 1;
-            revived.push(format!("{} ({status})", member.name));
+            revived.push(format!("{} ({status}){why}", member.name));
         }
         Ok(revived)
     }
@@ -211,6 +219,11 @@ fn why_ended(log: &Path, from: u64) -> String {
         (true, Err(error)) => format!("nothing can be written to {}, its log neither: {error}", dir.display()),
         (true, Ok(())) => format!("it has logged nothing to {}", log.display()),
     }
+}
+
+/// The last line of a log that is not empty, as far as it can be shown in one.
+fn last_line(lines: &str) -> String {
+    lines.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default().trim().chars().take(LINE_CHARS).collect()
 }
 
 /// The last lines of a log, from this byte on.

@@ -17,7 +17,9 @@ use crate::recover::behind_signals;
 /// Begin of a wait that a confirmation ends.
 const REJOIN: &str = "rejoin: ";
 /// In its place where that is not what comes next.
-const NOT_YET: &str = "its position: see `next`, which is not rejoin";
+const NOT_YET: &str = "its position: first see `next`";
+/// While the plan is not known.
+const SEARCHING: &str = "is looked for, by the states that are received";
 
 /// The step that comes next.
 pub struct NextStep {
@@ -63,11 +65,27 @@ fn asks_to_confirm(state: &StationState) -> bool {
 }
 
 impl WatchState {
-    /// Looks what comes next, where a station asks for a confirmation.
+    /// Looks what comes next, where a station asks for a confirmation. While that is not known, none is offered.
     pub fn look(&mut self, client: &OperatorClient, cell: Option<&CellClient>) {
         let is_asked = self.line.station_ids().any(|id| client.station(id).is_some_and(asks_to_confirm));
-        let found = if is_asked { self.newest.look(client, cell) } else { None };
-        self.next = found.and_then(|found| NextStep::of(&self.line, &found.plan));
+        self.next = match is_asked.then(|| self.newest.look(client, cell)) {
+            Some(Some(found)) => NextStep::of(&self.line, &found.plan),
+            Some(None) => Some(NextStep { text: SEARCHING.to_owned(), confirms: None }),
+            None => None,
+        };
+    }
+
+    /// Looks until that is known, and receives all the while.
+    ///
+    /// # Errors
+    /// When the middleware has failed.
+    pub async fn settle(&mut self, client: &mut OperatorClient, cell: &mut Option<CellClient>) -> miette::Result<()> {
+        self.look(client, cell.as_ref());
+        if self.next.is_some() {
+            self.newest.settle(client, cell).await?;
+            self.look(client, cell.as_ref());
+        }
+        Ok(())
     }
 }
 

@@ -142,6 +142,8 @@ fn a_part_taken_or_put_down_elsewhere_is_reported() {
     let other = reach.replace("m1.clamp", "m3.clamp");
     let begin = C1_LINE.find("[[station.reach]]").expect("it is there");
     let store = &C1_LINE[begin..C1_LINE.find(reach).expect("it is there")];
+    let reversed =
+        ("position = [\"slot_1\", \"slot_2\", \"slot_4\"]", "position = [\"slot_4\", \"slot_2\", \"slot_1\"]");
     let from_machine = reach.replace("m1.clamp", "m2.clamp").replace("200", "100");
     let robot = |task: &str| {
         format!("task = \"{task}\", parameters = {{ slot = \"ST.position\" }}, max_s = 24 }},\n  {{ station = \"m1\"")
@@ -151,6 +153,15 @@ fn a_part_taken_or_put_down_elsewhere_is_reported() {
         ("puts down at another machine", (reach, other.as_str()), SAME),
         ("opens where it reaches nothing", (reach, ""), SAME),
         ("unloads with the task that loads", SAME, (unloads.as_str(), loads.as_str())),
+        ("a position on outputs in another order", (reversed.0, reversed.1), SAME),
+        (
+            "always the same position",
+            SAME,
+            (
+                "task = \"load m1\", parameters = { slot = \"ST.position\" }",
+                "task = \"load m1\", parameters = { slot = 3 }",
+            ),
+        ),
         ("takes from a machine", (store, from_machine.as_str()), SAME),
     ]
     .into_iter()

@@ -40,6 +40,8 @@ pub enum Ignored {
     NoSuchNumber,
     /// A confirmation with a number that the outputs of its parameter cannot carry.
     NumberOutOfRange,
+    /// A confirmation with numbers for a task whose parameters are known from its order.
+    NumbersKnown,
 }
 
 impl Handled {

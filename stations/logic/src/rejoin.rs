@@ -13,7 +13,9 @@
 //! motion of the task, onwards or back, leads to the place that their outputs choose. With all of them off that is a place as well, at which
 //! a hand would open over nothing. So a confirmation there without every number is refused, and nothing is led before it: the switches do not
 //! measure which slot was meant, and no number is guessed. A way is always left: a person sees at which slot the hand is, or takes out what
-//! it carries and gives any number. A number that was wrong is confirmed anew, as long as the station stands within the task without an order.
+//! it carries and gives any number. A number that a person gave wrongly is confirmed anew, as long as the station stands within the task
+//! without an order, until its next start. The numbers of an order, which its journal has, are known, and no person replaces them: by them the
+//! coordinator counts where the part is.
 
 use std::sync::Arc;
 
@@ -100,6 +102,9 @@ impl Controller {
         let place = self.marking().next().filter(|_| !numbers.is_empty() && self.rest().is_none() && !self.has_order());
         let is_there = |place: &StationPlace| at == RejoinAt::Measured || at == RejoinAt::Within(place.op);
         let place = place.filter(is_there).ok_or(Ignored::NotLost)?;
+        if !self.has_confirmed_parameters() {
+            return Err(Ignored::NumbersKnown);
+        }
         let parameters = self.parameters_confirmed(self.task_of(place.op), numbers)?;
         self.confirm_parameters(parameters);
         self.due.report = true;
@@ -118,8 +123,10 @@ impl Controller {
         let Some((task, table)) = tables.filter(|(_, table)| !table.parameters.is_empty()) else {
             return if numbers.is_empty() { Ok(None) } else { Err(Ignored::NoSuchNumber) };
         };
-        if let Some(kept) = self.known_parameters(task).filter(|_| numbers.is_empty()) {
-            return Ok(Some(kept));
+        match self.known_parameters(task) {
+            Some(kept) if numbers.is_empty() => return Ok(Some(kept)),
+            Some(_) if !self.has_confirmed_parameters() => return Err(Ignored::NumbersKnown),
+            Some(_) | None => {}
         }
         let image = table.image(numbers).map_err(|misfit| match misfit {
             NumberMisfit::Missing => Ignored::NumberMissing,
@@ -150,18 +157,21 @@ impl Controller {
     }
 
     /// Whether this place is not to be taken back from. Switched on away from home the station is led home by its last operation; back from
-    /// there leads through a task of which neither the place nor the parameters are known, until both are confirmed.
+    /// there leads through a task of which neither the place nor the parameters are known, until both are confirmed. So it stays whatever has
+    /// stopped it since, and after another start.
     pub(crate) fn is_not_taken_back(&self, place: StationPlace) -> bool {
         let task = self.task_of(place.op).filter(|&task| self.known_parameters(task).is_none());
         let table = task.zip(self.program.tasks.as_ref()).map(|(task, tasks)| tasks.task(task));
-        table.is_some_and(|table| !table.parameters.is_empty()) && self.is_not_at_home()
+        table.is_some_and(|table| !table.parameters.is_empty()) && !self.marking.placed
     }
 
     /// Whether its position is lost or unknown.
     pub(crate) fn is_to_be_confirmed(&self) -> bool {
         let is_unknown = match self.program.tasks {
             None => self.views.generation == 0,
-            Some(_) => self.is_not_at_home(),
+            Some(_) => {
+                self.is_not_at_home() || (self.rest().is_none() && self.marking().any(|at| self.is_not_taken_back(at)))
+            }
         };
         is_unknown || self.position_lost().is_some()
     }

@@ -59,6 +59,8 @@ pub(crate) struct OrderSlot {
     /// The task of the last order, and the outputs that carry its parameters: also when the order has failed, as long as the station stands
     /// within the task. Whichever way it goes on from there, by itself or led by a person, the place that was meant is the same.
     parameters: Option<(TaskId, u128)>,
+    /// Whether a person has confirmed them, since this start.
+    has_confirmed_parameters: bool,
     pub rules: OrderRules,
     /// Replies since the last step.
     pub replies: Vec<(OrderKey, TaskReply)>,
@@ -252,7 +254,7 @@ impl Controller {
         match begun {
             Ok((slot, image)) => {
                 orders.slot = Some(slot);
-                orders.parameters = Some((slot.task, image));
+                (orders.parameters, orders.has_confirmed_parameters) = (Some((slot.task, image)), false);
                 self.due.outputs = true;
                 self.note(HappeningKind::Ordered(slot.task));
                 TaskReply::Running
@@ -338,8 +340,13 @@ impl Controller {
     /// A person has confirmed the parameters, or a place where there are none.
     pub(crate) fn confirm_parameters(&mut self, parameters: Option<(TaskId, u128)>) {
         if let Some(orders) = &mut self.orders {
-            orders.parameters = parameters;
+            (orders.parameters, orders.has_confirmed_parameters) = (parameters, true);
         }
+    }
+
+    /// Whether the parameters are those that a person has confirmed.
+    pub(crate) fn has_confirmed_parameters(&self) -> bool {
+        self.orders.as_ref().is_some_and(|orders| orders.has_confirmed_parameters)
     }
 
     fn slot(&self) -> Option<ActiveOrder> {

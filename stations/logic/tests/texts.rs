@@ -126,6 +126,7 @@ fn ignored() -> Vec<Ignored> {
         Ignored::NumberMissing => Ignored::NumberMissing;
         Ignored::NoSuchNumber => Ignored::NoSuchNumber;
         Ignored::NumberOutOfRange => Ignored::NumberOutOfRange;
+        Ignored::NumbersKnown => Ignored::NumbersKnown;
     })
 }
 

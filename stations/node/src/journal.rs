@@ -212,7 +212,9 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -
     // A record is not flushed: from before the host's last start it may be older than what the station has reported since.
     let is_newest = record.host == host && !host.is_empty();
     let generation = if is_newest { record.generation } else { 0 };
-    let order = record.order.map(|order| order.memory().ok_or_else(|| other("orders"))).transpose()?;
+    let mut order = record.order.map(|order| order.memory().ok_or_else(|| other("orders"))).transpose()?;
+    // The numbers may be those of the order before.
+    order.iter_mut().filter(|_| !is_newest).for_each(|order| order.parameters = None);
     if order.is_some() != described.is_task_driven() {
         return Err(other("orders"));
     }

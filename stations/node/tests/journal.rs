@@ -134,6 +134,20 @@ fn a_record_from_before_the_hosts_last_start_has_no_generation() {
     assert_eq!(from_record(&line, StationId(0), old.as_bytes(), "this start").expect("it fits").generation, 0);
 }
 
+/// The numbers may be those of the order before: the hand would open over another place.
+#[test]
+fn a_record_from_before_the_hosts_last_start_has_no_parameters() {
+    let line = line(TASK_DRIVEN);
+    let mut kept = snapshot(&line);
+    kept.order.as_mut().expect("it is task-driven").parameters = Some((TaskId(0), 3));
+    let record = to_record(&line, StationId(0), &kept, "this start");
+    let read = |host: &str| {
+        let read = from_record(&line, StationId(0), &record, host).expect("its own record");
+        read.order.expect("it is task-driven").parameters
+    };
+    assert_eq!([read("this start"), read("another start"), read("")], [Some((TaskId(0), 3)), None, None]);
+}
+
 #[test]
 fn a_record_without_orders_is_not_one_of_a_task_driven_station_nor_the_other_way_round() {
     let line = line(TASK_DRIVEN);

@@ -112,8 +112,8 @@ impl Coordination {
     }
 
     /// Closes an activity that has ended, and compares the sensors of its resources with where its part is now. Where one differs by
-    /// the last report, nothing is begun there until a later report agrees, or differs still when a sensor has had time to follow.
-    /// Of a row nothing is concluded: parts come to its end some time later.
+    /// the last report, or is not read now, nothing is begun there until a later report agrees, or differs still when a sensor has had
+    /// time to follow. Of a row nothing is concluded: parts come to its end some time later.
     pub(in super::super) fn end(&mut self, now: Tick, id: FiringId, out: &mut PlayerOutbox) {
         let Some(mode) = self.state.firing(id).map(|firing| firing.mode) else { return };
         self.write(now, RecordKind::Ended { firing: id }, out);
@@ -122,10 +122,18 @@ impl Coordination {
         let resources: Vec<ResourceId> = table.handling().mode(mode).resources().collect();
         for id in resources {
             let is_row = self.state.table().handling().resource(id).is_none_or(|of| !of.sees_all());
-            if !is_row && !self.is_in_use(id, None) && self.difference(id).is_some() {
+            if !is_row && !self.is_in_use(id, None) && !self.agrees_now(now, id) {
                 self.watch.uncompared.entry(id).or_insert(pending);
             }
         }
+    }
+
+    /// Whether the sensor of a resource agrees with the model by a report that is not old, or there is nothing to be compared.
+    fn agrees_now(&self, now: Tick, id: ResourceId) -> bool {
+        let of = self.state.table().handling().resource(id).filter(|of| of.is_sensed);
+        let Some(station) = of.and_then(|of| of.station).filter(|_| self.expected(id).is_some()) else { return true };
+        let seen = self.watch.seen(station).filter(|seen| seen.at + self.state.table().repeat_interval() >= now);
+        seen.is_some_and(|seen| seen.heard.presence != Presence::Unread) && self.difference(id).is_none()
     }
 
     /// Compares model and plant of resources that have still to be compared, as soon as the plant is known and nothing is under

@@ -42,6 +42,27 @@ fn a_sensor_that_follows_an_activity_is_waited_for() {
     assert!(bench.firing("M1.process<A.new>").is_some());
 }
 
+/// With the devices of the machine away when its loading ends, it is compared when they are back.
+#[test]
+fn a_sensor_that_is_not_read_when_an_activity_ends_is_compared_when_it_is() {
+    for (then, down) in
+        [(Presence::Off, vec![("M1".to_owned(), OutOfServiceReason::Mismatch)]), (Presence::On, Vec::new())]
+    {
+        let mut bench = CellBench::c1(&[1, 0]);
+        bench.until_that(|bench| bench.firing("load M1<A.new>").is_some());
+        bench.sim.senses = false;
+        for (name, presence) in [("robot", Presence::Off), ("m1", Presence::Unread)] {
+            bench.at(name).presence = presence;
+        }
+        bench.until_that(|bench| bench.firing("load M1<A.new>").is_none());
+        bench.hear();
+        assert_eq!((bench.count(LOADED), bench.down()), (1, Vec::new()), "nothing is begun");
+        bench.at("m1").presence = then;
+        bench.hear();
+        assert_eq!((bench.down(), bench.count(LOADED)), (down, u64::from(then == Presence::Off)));
+    }
+}
+
 /// A gripper that has not let go of its part is not sent for another one.
 #[test]
 fn a_part_that_is_still_seen_in_the_hand_raises_an_alarm() {

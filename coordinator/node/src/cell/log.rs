@@ -33,7 +33,9 @@ pub enum CellLogError {
     #[error(transparent)]
     Log(#[from] LogError),
     /// It is about something else.
-    #[error("log {path} is about {is}, not about {expected}; empty the cell, then remove the log")]
+    #[error(
+        "log {path} is about {is}, not about {expected}; empty the cell with that description, then remove {path}.*"
+    )]
     Other {
         /// The log.
         path: PathBuf,

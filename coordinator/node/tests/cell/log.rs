@@ -104,7 +104,7 @@ fn the_log_of_another_cell_or_another_description_is_refused_with_what_is_differ
     drop(open(&path, &of.table).expect("opens"));
     let refused = |found: Result<OpenedLog, CellLogError>| found.expect_err("it is refused").to_string();
     let other = CellLog::open(&path, "workcell_c1", &of.table);
-    let what = "is about cell `assembly_cell`, not about cell `workcell_c1`; empty the cell, then remove the log";
+    let what = "is about cell `assembly_cell`, not about cell `workcell_c1`; empty the cell with that description, then remove ";
     assert!(refused(other).contains(what));
     let more = shipped("assembly-cell", &[1, 1, 0]);
     let why = refused(open(&path, &more.table));

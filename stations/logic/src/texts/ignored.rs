@@ -26,6 +26,9 @@ impl Ignored {
                 "rejoin: a number for a parameter that the task does not have, or outside of a task"
             }
             Ignored::NumberOutOfRange => "rejoin: a number that the outputs of its parameter cannot carry",
+            Ignored::NumbersKnown => {
+                "rejoin: the numbers of the task are known from its order; confirm the place without numbers"
+            }
         }
     }
 }

@@ -140,6 +140,18 @@ fn it_is_not_taken_back_through_a_task_whose_numbers_are_not_known() {
     assert_eq!(robot.outputs, 0, "{:?}", robot.blocked_by());
     robot.hold(&[]);
     assert!(!robot.blocked_by().join("\n").contains("return"), "{:?}", robot.blocked_by());
+    // Whatever stops it then, and after another start as well.
+    robot.hold(&[Advance(true)]);
+    robot.hold(&[]);
+    let kept = robot.controller.snapshot();
+    let mut again = OrderBench::standing(StationId(1), Restore::From(kept), MEMORY, &["G_0"]);
+    again.mode(ControlMode::Manual);
+    for robot in [&mut robot, &mut again] {
+        robot.hold(&[Retract(true)]);
+        assert_eq!(robot.outputs, 0, "{:?}", robot.blocked_by());
+        robot.hold(&[]);
+        assert!(robot.blocked_by().join("\n").contains("rejoin: "), "{:?}", robot.blocked_by());
+    }
     let within: RejoinAt = robot.line.station(robot.station).operation_named("home from m1").into();
     assert!(rejoin_with(&mut robot, within, &[("slot", 3)]).is_taken());
     robot.hold(&[Retract(true)]);
@@ -149,6 +161,29 @@ fn it_is_not_taken_back_through_a_task_whose_numbers_are_not_known() {
     robot.mode(ControlMode::Manual);
     robot.through(Advance(true));
     assert_eq!(robot.rest().as_deref(), Some("home"));
+}
+
+/// By the numbers of its order the coordinator counts where the part is: a confirmation replaced them, and the part was laid into another slot.
+#[test]
+fn the_numbers_of_an_order_are_not_replaced() {
+    let mut m1 = OrderBench::measured(Restore::From(OrderBench::clamped().controller.snapshot()), &["C_60", "L_0"]);
+    m1.mode(ControlMode::Auto);
+    m1.run(&order(2, "machine"));
+    m1.mode(ControlMode::Manual);
+    m1.set("L_0", false);
+    let (before, slide) = (m1.outputs, m1.line.station(m1.station).operation_named("slide in"));
+    assert!(m1.rest().is_none() && before != 0, "{}", m1.doing());
+    for at in [RejoinAt::Measured, slide.into()] {
+        assert_eq!(rejoin_with(&mut m1, at, &[("program", 5)]), Handled::Ignored(Ignored::NumbersKnown));
+    }
+    assert_eq!(m1.outputs, before);
+    // Nor where its place is lost.
+    let mut m1 = OrderBench::measured(Restore::From(m1.controller.snapshot()), &["C_60", "L_0"]);
+    m1.mode(ControlMode::Manual);
+    m1.set("C_60", false);
+    m1.set("C_60", true);
+    let refused = rejoin_with(&mut m1, slide.into(), &[("program", 5)]);
+    assert_eq!(refused, Handled::Ignored(Ignored::NumbersKnown), "{}", m1.doing());
 }
 
 #[test]

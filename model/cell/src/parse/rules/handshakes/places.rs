@@ -7,12 +7,12 @@
 //! A nest belongs to the resource with its name, or to those of its station. Nests of no resource are not judged, and neither is a hand
 //! whose reach depends on where another station stands.
 
-use linewright_line::{Grip, Holder, HolderId, Line, Reach};
+use linewright_line::{Grip, Holder, HolderId, Line, OutputId, Parameter, Reach};
 use linewright_text::Problem;
 
 use super::{Handshake, Player};
 use crate::parse::draft::{DraftActivity, DraftCell, DraftResource};
-use crate::{ResourceId, Role};
+use crate::{ParameterSource, Prototype, ResourceId, Role};
 
 /// What a hand does in an operation.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -66,7 +66,8 @@ impl Handshake<'_, '_> {
         let of_player = |player: &Player<'_, '_>| {
             hands().find_map(|hand| {
                 let actions = player.hand_actions(self.line, hand);
-                actions.iter().find_map(|action| self.wrong(draft, activity, player, action))
+                let wrong = actions.iter().find_map(|action| self.wrong(draft, activity, player, action));
+                wrong.or_else(|| actions.iter().find_map(|action| self.other_position(draft, activity, player, action)))
             })
         };
         self.players.iter().filter_map(of_player).collect()
@@ -114,6 +115,56 @@ impl Handshake<'_, '_> {
             task.value
         );
         Some(Problem::warning(task.at.clone(), message).label("at another place").hint(hint))
+    }
+
+    /// A position that the hand reaches, and that is not the one of the part: the same outputs in another order, or always the same number.
+    fn other_position(
+        &self,
+        draft: &DraftCell<'_>,
+        activity: &DraftActivity<'_>,
+        player: &Player<'_, '_>,
+        action: &HandAction<'_>,
+    ) -> Option<Problem> {
+        let [reach] = action.reaches.as_slice() else { return None };
+        let task = player.station.task(player.station.task_named(&player.order.raw.task.as_ref()?.value)?);
+        let nest = self.line.handling.holder(reach.to);
+        let carries = |parameter: &&Parameter| {
+            !reach.position.is_empty() && parameter.bits.iter().all(|bit| reach.position.contains(bit))
+        };
+        let parameter = task.parameters.iter().find(carries)?;
+        let (name, station) = (&parameter.name, &player.station.name);
+        if parameter.bits != reach.position {
+            let named = |bits: &[OutputId]| {
+                bits.iter().map(|bit| player.station.outputs[bit.index()].as_str()).collect::<Vec<_>>().join(", ")
+            };
+            let message = format!(
+                "the position at `{}` is read from {}, and `{name}` stands on {}, lowest bit first",
+                nest.name,
+                named(&reach.position),
+                named(&parameter.bits)
+            );
+            let hint = format!(
+                "`position` of `{station}`'s `[[station.reach]]` and the task's `parameters` list the same outputs in one order"
+            );
+            return Some(
+                Problem::warning(player.order.raw.task.as_ref()?.at.clone(), message)
+                    .label("another position")
+                    .hint(hint),
+            );
+        }
+        let (_, source) = player.order.parameters.iter().find(|(of, _)| of == name)?;
+        let owners = owners(draft, nest);
+        let store = activity.uses.iter().filter_map(|part| part.value.of).find(|of| owners.contains(of))?;
+        let has_positions = |prototype: Prototype| prototype.stores() && prototype != Prototype::FifoBuffer;
+        let is_constant = matches!(source, ParameterSource::Number(_)) && nest.places > 1;
+        if !is_constant || !draft.resource(store).prototype.is_some_and(has_positions) {
+            return None;
+        }
+        let (_, value) = player.order.raw.parameters.iter().find(|(of, _)| of.value == *name)?;
+        let message = format!("`{name}` is always the same position of `{}`", draft.resource(store).name);
+        let hint =
+            format!("`{name} = \"{}.position\"`: the one that the part has, or will have", draft.resource(store).name);
+        Some(Problem::warning(value.at.clone(), message).label("of each part").hint(hint))
     }
 }
 
