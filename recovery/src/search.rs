@@ -267,16 +267,12 @@ impl<'f, 'l> Search<'f, 'l> {
         let id = StationId::at(station);
         let still = |action, after| Move::of(action, Vec::new(), Duration::ZERO, after);
         let (described, report) = (self.floor.line.station(id), &units[station].report);
-        let task = |op: OpId| {
-            described
-                .tasks
-                .iter()
-                .position(|task| described.steps[task.steps.clone()].iter().flatten().any(|of| *of == op))
-        };
-        let marked: Vec<OpId> = report.incomplete.iter().map(|&(op, _)| op).collect();
+        let marks = report.places.iter().enumerate().filter(|&(_, &number)| number != 0);
+        let marked: Vec<OpId> = marks.map(|(op, _)| OpId::at(op)).collect();
+        let is_of_task = |op: OpId| marked.iter().any(|&of| described.task_of(of) == described.task_of(op));
         // The numbers of the task within which it is known to stand are in its journal.
         let are_known = |at: RejoinAt| match at {
-            RejoinAt::Within(op) => report.placed && marked.iter().any(|&of| task(of) == task(op)),
+            RejoinAt::Within(op) => report.placed && is_of_task(op),
             RejoinAt::Measured | RejoinAt::Rest(_) => report.placed,
         };
         let asked = |at: RejoinAt| match are_known(at) {
@@ -290,8 +286,8 @@ impl<'f, 'l> Search<'f, 'l> {
         }
         let within = |op: OpId| Some((op, self.floor.rejoin(units, station, RejoinAt::Within(op))?));
         let mut fitting: Vec<(OpId, PlayedStations)> = described.op_ids().filter_map(within).collect();
-        // Where it is marked to stand goes first, then the same task.
-        fitting.sort_by_key(|&(op, _)| (!marked.contains(&op), !marked.iter().any(|&of| task(of) == task(op))));
+        // Where it is marked to stand goes first, then the same task. A place that its journal has is assumed, the others are named beside it.
+        fitting.sort_by_key(|&(op, _)| (!marked.contains(&op), !is_of_task(op)));
         let others = |of: OpId| fitting.iter().map(|&(op, _)| op).filter(|&op| op != of).collect();
         let at = |op: OpId| {
             let or_within: Vec<OpId> = others(op);
@@ -299,7 +295,10 @@ impl<'f, 'l> Search<'f, 'l> {
             let parameters = all.map(|op| asked(RejoinAt::Within(op))).collect();
             RecoveryAction::Rejoin { station: id, at: RejoinAt::Within(op), or_within, parameters }
         };
-        fitting.iter().map(|(op, after)| still(at(*op), after.clone())).collect()
+        let is_likely = |op: &OpId| report.placed && marked.contains(op);
+        let likely = fitting.iter().filter(|(op, _)| is_likely(op)).count();
+        let assumed = if likely > 0 { likely } else { fitting.len() };
+        fitting.iter().take(assumed).map(|(op, after)| still(at(*op), after.clone())).collect()
     }
 }
 
