@@ -90,7 +90,11 @@ impl World {
                 self.observer.commanded(to, *command, is_stopped);
                 let is_manual = match command {
                     ModeCommand::Manual => true,
-                    ModeCommand::Reset => (0..self.stations.len()).any(|at| self.selects_manual(at)),
+                    // One that is not at manual any more, and that the coordinator has not received so, counts there.
+                    ModeCommand::Reset => {
+                        (0..self.stations.len()).any(|at| self.selects_manual(at))
+                            || shell.is_some_and(|shell| shell.coordinator().any_selector())
+                    }
                     _ => false,
                 };
                 if is_manual {

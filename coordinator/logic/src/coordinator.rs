@@ -309,7 +309,8 @@ impl Coordinator {
         heard.stopped && heard.mode_epoch >= self.quiet
     }
 
-    fn any_selector(&self) -> bool {
+    /// Whether a selector stands at manual, by the states received.
+    pub fn any_selector(&self) -> bool {
         self.counted().any(|(_, s)| self.is_known(s) && s.heard.selector_manual)
     }
 
