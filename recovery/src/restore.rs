@@ -3,7 +3,7 @@
 //! The report does not have all of the memory. What is missing is chosen so that the controller reports what the station does:
 //! whether it is missed where its chart has it, whether its index is in doubt, and on which recovery path it is.
 
-use linewright_line::net::{MotionStage, StationPlace};
+use linewright_line::net::{ControlMode, MotionStage, StationPlace};
 use linewright_line::{Line, OpId, OperationModule, Station, StationId};
 use linewright_station_logic::{
     Controller, PanelCommand, Restore, Rules, StationInput, StationReport, StationSnapshot, StopCause,
@@ -26,7 +26,10 @@ pub(crate) const RULES: Rules = Rules { timely: false, ..Rules::ALL };
 pub(crate) fn unit(line: &Line, id: StationId, report: &StationReport) -> Result<PlayedStation, RestoreMisfit> {
     let station = line.station(id);
     let marked: Vec<StationPlace> = places(station, report).ok_or(RestoreMisfit(id))?;
-    let moving: Vec<StationPlace> = marked.iter().copied().filter(|place| place.is_operating()).collect();
+    // A motion of hand mode whose button was let go of does not arrive by itself when that mode has ended.
+    let is_paused = report.stopped && matches!(report.mode, Some(ControlMode::StandBy | ControlMode::Manual));
+    let moves = |place: &StationPlace| place.is_operating() && !is_paused;
+    let moving: Vec<StationPlace> = marked.iter().copied().filter(moves).collect();
     let bits = if report.devices_valid { report.measured } else { expected(station, &marked) };
     let bits = if moving.is_empty() { bits } else { image::arrived(line, id, bits, &moving) };
     let (mut done, mut started) = (report.done.clone(), report.started.clone());
