@@ -115,13 +115,17 @@ impl NewestPlan {
         self.search.as_ref().filter(|_| !self.is_current).map(|(since, _)| since.elapsed())
     }
 
-    /// Takes what a search has found, if it ends within so long.
+    /// Takes what a search has found, if it ends within so long: whether there is a plan by it.
     fn take_found(&mut self, within: Duration) -> bool {
         let Some((_, search)) = &self.search else { return false };
         match search.recv_timeout(within) {
             Ok(found) => self.known = Some(found),
             Err(RecvTimeoutError::Timeout) => return false,
-            Err(RecvTimeoutError::Disconnected) => {}
+            // The search has failed: the plan before is none of this situation.
+            Err(RecvTimeoutError::Disconnected) => {
+                self.search = None;
+                return false;
+            }
         }
         self.search = None;
         true

@@ -177,15 +177,11 @@ fn stations_have_something_to_do(draft: &DraftCell<'_>, report: &mut Report) {
     }
 }
 
-fn has_positions(prototype: crate::Prototype) -> bool {
-    prototype.stores() && prototype != crate::Prototype::FifoBuffer
-}
-
 /// Where the line gives the number of positions of a store, the cell has no more. Of a buffer in which parts move up by
 /// themselves a holder of its name is the place where they are put in or taken out.
 fn stores_are_as_large(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
-    for store in draft.resources.iter().filter(|r| r.prototype.is_some_and(has_positions)) {
+    for store in draft.resources.iter().filter(|r| r.prototype.is_some_and(crate::Prototype::has_positions)) {
         let holder = line.handling.holder_named(store.name).map(|id| line.handling.holder(id));
         let (Some(holder), Some(capacity)) = (holder, store.capacity) else { continue };
         if u32::from(holder.places) < capacity {

@@ -1,8 +1,8 @@
 //! Where a task closes and opens a hand, beside the resources of its activity.
 //!
-//! The cell counts a part where the actions of the activity have it: taken from one resource, put down at another. The line's
-//! description says which nest the hand reaches at its axes' positions. Where the two differ the part stays behind, falls, or lies where
-//! the cell does not count it, and nothing reports that.
+//! An activity moves a part from one resource to another one, and the cell counts it there. At which nests a task really closes and opens
+//! a hand follows from the line's description: from the positions to which its operations bring the axes, and the `[[station.reach]]` of the
+//! hand at these. Where the two differ the part stays behind, falls down, or lies where the cell does not count it, and no sensor need show it.
 //!
 //! A nest belongs to the resource with its name, or to those of its station. Nests of no resource are not judged, and neither is a hand
 //! whose reach depends on where another station stands.
@@ -155,9 +155,8 @@ impl Handshake<'_, '_> {
         let (_, source) = player.order.parameters.iter().find(|(of, _)| of == name)?;
         let owners = owners(draft, nest);
         let store = activity.uses.iter().filter_map(|part| part.value.of).find(|of| owners.contains(of))?;
-        let has_positions = |prototype: Prototype| prototype.stores() && prototype != Prototype::FifoBuffer;
         let is_constant = matches!(source, ParameterSource::Number(_)) && nest.places > 1;
-        if !is_constant || !draft.resource(store).prototype.is_some_and(has_positions) {
+        if !is_constant || !draft.resource(store).prototype.is_some_and(Prototype::has_positions) {
             return None;
         }
         let (_, value) = player.order.raw.parameters.iter().find(|(of, _)| of.value == *name)?;
