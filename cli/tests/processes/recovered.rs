@@ -144,9 +144,7 @@ fn what_recover_names_is_typed_until_the_line_is_in_auto() {
 
 #[test]
 fn after_the_coordinator_was_killed_one_button_leads_every_station_on() {
-    // Slow enough that both motions are under way still when the devices miss their manager: one that has arrived by then is no
-    // motion to be resumed, and a switch that is on would have to be believed.
-    let mut rig = Rig::new(&line(4.0));
+    let mut rig = Rig::new(&with_slow_motions());
     let operator = rig.in_stand_by();
     operator.order("auto", StationState::MODE_AUTO);
     rig.eye.wait("the bar returns and the mill moves", |seen| {
@@ -173,6 +171,28 @@ fn after_the_coordinator_was_killed_one_button_leads_every_station_on() {
     operator.cycles(1);
     operator.go_home();
     rig.ends_well(1);
+}
+
+/// The line, with the two motions that a restart of the coordinator is to interrupt slow enough to be under way still when the
+/// devices stop, about a second later: one that has arrived by then is no motion to be resumed, and a switch that is on would
+/// have to be believed.
+fn with_slow_motions() -> String {
+    let mut text = line(4.0);
+    for (old, new) in [
+        (
+            "from = 500, to = 0 }\nduration_s = 2.0\nwatchdog_s = 6.0",
+            "from = 500, to = 0 }\nduration_s = 6.0\nwatchdog_s = 20.0",
+        ),
+        (
+            "from = 0, to = 80 }\nduration_s = 1.2\nwatchdog_s = 4.0",
+            "from = 0, to = 80 }\nduration_s = 4.8\nwatchdog_s = 16.0",
+        ),
+        ("at = \"LS_positioning_80\", velocity = 72.5", "at = \"LS_positioning_80\", velocity = 18.125"),
+    ] {
+        assert_eq!(text.matches(old).count(), 1, "{old}");
+        text = text.replace(old, new);
+    }
+    text
 }
 
 /// As many operations of the same names: only the fingerprint differs.
