@@ -15,6 +15,8 @@ const SLACK: Duration = Duration::from_millis(60);
 
 /// What a station has sent for so long is known to a coordinator that receives it at all.
 const KNOWN: Duration = Duration::from_millis(450);
+/// Messages of one writer that another one of it overtakes on its way are fewer.
+const OVERTAKEN_MAX: u64 = 1000;
 /// Orders of one life that come one after another are not further apart.
 const CLOSE: Duration = Duration::from_millis(80);
 
@@ -38,6 +40,8 @@ pub(crate) struct SeenState {
     /// Life of the station, and since when it is this one: readers stay with the life before for a while.
     life: u64,
     life_since: Tick,
+    /// Number of the message, of those of this life.
+    sequence: u64,
     is_lost: bool,
     has_devices: bool,
     is_incomplete: bool,
@@ -45,17 +49,24 @@ pub(crate) struct SeenState {
 }
 
 impl SeenState {
-    pub(crate) fn of(now: Tick, report: &StationReport) -> Self {
+    pub(crate) fn of(now: Tick, sequence: u64, report: &StationReport) -> Self {
         SeenState {
             arrived: now,
             since: now,
             life: report.boot_id,
             life_since: now,
+            sequence,
             is_lost: report.position_lost.is_some(),
             has_devices: report.devices_valid,
             is_incomplete: !report.incomplete.is_empty(),
             moves: !report.stopped,
         }
+    }
+
+    /// It was sent before this one and arrives after it: by its number, which a forged message far from it does not have.
+    fn was_overtaken_by(&self, newer: &SeenState) -> bool {
+        let by = newer.sequence.checked_sub(self.sequence);
+        self.life == newer.life && by.is_some_and(|by| (1..OVERTAKEN_MAX).contains(&by))
     }
 
     pub(crate) fn is_like(&self, other: &SeenState) -> bool {
@@ -98,6 +109,9 @@ impl Observer {
     /// A state of one station has arrived at another; it counts as known there from `arrived` on.
     pub(crate) fn state_arrived(&mut self, at: usize, from: usize, seen: SeenState, arrived: Tick) {
         if let Some(view) = self.stations[at].views.get_mut(from) {
+            if seen.was_overtaken_by(view) {
+                return;
+            }
             let since = if view.is_like(&seen) { view.since } else { seen.since };
             let life_since = if view.life == seen.life || view.life == 0 { view.life_since } else { seen.life_since };
             *view = SeenState { since, arrived, life_since, ..seen };

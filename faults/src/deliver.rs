@@ -59,9 +59,9 @@ impl World {
         let since = if has_waited { delivered } else { self.now };
         let soon = Duration::from_millis(20);
         if to < self.stations.len()
-            && let Message::State { station, report, .. } = message
+            && let Message::State { station, sequence, report, .. } = message
         {
-            let seen = SeenState::of(self.now, report);
+            let seen = SeenState::of(self.now, *sequence, report);
             self.observer.state_arrived(to, station.index(), seen, since);
         }
         match message {

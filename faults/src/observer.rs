@@ -225,8 +225,13 @@ impl Observer {
     /// A command has been taken by a coordinator. `is_stopped`: it is in an emergency stop, which it may have adopted from a station
     /// that has not left one whose end was seen here.
     pub(crate) fn commanded(&mut self, node: usize, command: ModeCommand, is_stopped: bool) {
-        if command == ModeCommand::Reset && is_stopped && self.stop.is_none() && !self.is_ending {
-            self.begin_stop();
+        if command == ModeCommand::Reset && is_stopped && self.stop.is_none() {
+            if self.is_ending {
+                // The line's coordinator stood when people ended the stop at another one.
+                self.ended_there |= node == self.stations.len();
+            } else {
+                self.begin_stop();
+            }
         }
         match (command, &mut self.stop) {
             (ModeCommand::EStop, _) => {
@@ -404,7 +409,7 @@ impl Observer {
     ) {
         self.stations[at].sent = number;
         self.takes_generation(line, now, at, report);
-        let seen = SeenState::of(now, report);
+        let seen = SeenState::of(now, 0, report);
         if !seen.is_like(&self.stations[at].own) {
             self.stations[at].own = seen;
         }
