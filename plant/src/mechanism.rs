@@ -384,7 +384,7 @@ impl Index {
     /// The number of the place it is at, or has left last.
     fn number(&self, position: f64) -> Option<u16> {
         let count = i64::from(self.places.as_ref()?.places);
-        let is_at_next = position >= self.home + self.by * (1.0 - REACH);
+        let is_at_next = self.is_at_end(position);
         u16::try_from((self.left + i64::from(is_at_next)).rem_euclid(count) + 1).ok()
     }
 
@@ -401,8 +401,9 @@ impl Index {
 
     /// Whether a position is that of the next place.
     fn is_at_end(&self, position: f64) -> bool {
-        // A motion that its switch has stopped stands at the edge of the reach.
-        position >= self.home + self.by * (1.0 - 1.5 * REACH)
+        // A motion that its switch has stopped stands at the edge of the reach; a drive is where its number says.
+        let reach = if self.places.is_some() { REACH } else { 1.5 * REACH };
+        position >= self.home + self.by * (1.0 - reach)
     }
 }
 

@@ -94,6 +94,27 @@ fn an_index_goes_from_its_switch_to_its_switch_and_rests_there_until_its_output_
     assert_eq!((plant.inputs(OWNER), plant.alarms()), (IN_PLACE, 0));
 }
 
+/// A drive that is stuck just before the place it was ordered to goes on to that one.
+#[test]
+fn a_drive_stuck_before_its_place_does_not_go_on_to_the_one_after_it() {
+    let text = include_str!("../../examples/driven-table.toml");
+    let line = linewright_line::parse("driven-table.toml", text).expect("the example is sound").line;
+    let (table, axis, index) = (linewright_line::StationId(0), linewright_line::AxisId(0), linewright_line::OpId(0));
+    let drive = line.devices.iter().find_map(|device| device.drive());
+    let places = drive.and_then(|drive| drive.index.as_ref()).expect("a drive with numbered places");
+    let turn = line.operation((table, index)).normal.actuator.bit();
+    for part in [0.9984, 0.9986, 0.99875, 0.9989, 0.9991] {
+        let mut plant = Plant::new(&line, PlantOptions::default());
+        plant.set_outputs(at(0), OWNER, turn | places.order(2));
+        let whole = line.operation((table, index)).duration.as_micros() as f64;
+        let stuck = Tick::from_micros((whole * part) as u64);
+        plant.inject(stuck, table, index, Some(MotionFault::Stick));
+        plant.inject(stuck + Duration::from_secs(1), table, index, None);
+        plant.advance(stuck + Duration::from_secs(9));
+        assert_eq!((plant.indexes(table, axis), plant.next_change()), (1, None), "{part}");
+    }
+}
+
 #[test]
 fn a_motion_goes_on_where_it_was_left() {
     let mut plant = plant();
