@@ -43,7 +43,7 @@ fn a_name_is_one_that_the_reader_takes_and_the_directory_is_called_like_it() {
     }
     let scratch = Scratch::new();
     let run = |words: &[&str]| linewright_in(&scratch.path("."), words);
-    let said = run(&["new", "cell", "--name", "laundry"]);
+    let said = run(&["new", "cell", "laundry"]);
     assert!(text(&said.stdout).contains("next:  linewright check laundry\n"), "{said:?}");
     assert!(scratch.read("laundry/cell.toml").contains("\nname = \"laundry\"  # the ROS namespace"));
     assert!(scratch.read("laundry/line.toml").contains("\nname = \"laundry\"  # the ROS namespace"));
@@ -177,7 +177,7 @@ fn what_is_asked_of_nothing_or_of_a_line_is_refused_with_the_reason() {
         assert!(text(&part.stderr).contains(&format!("'{}' is a part, and ", words.join(" "))), "{part:?}");
     }
     let kind = new("line", &["--name", "x"]);
-    assert!(text(&kind.stderr).contains("linewright new transfer-line --name my_line"), "{kind:?}");
+    assert!(text(&kind.stderr).contains("linewright new transfer-line my_line"), "{kind:?}");
 }
 
 #[test]

@@ -94,7 +94,8 @@ fn directives(level: LogLevel) -> String {
             ",rustdds::network::udp_listener=off,rustdds::dds::pubsub=off"
         }
     };
-    format!("{ours},rustdds={theirs},ros2_client={theirs}{orderly_end}")
+    // Ours are the crates whose names begin with `linewright`.
+    format!("{theirs},linewright={ours}{orderly_end}")
 }
 
 #[cfg(test)]

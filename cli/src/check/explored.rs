@@ -43,7 +43,8 @@ pub struct ExploreOptions {
     /// Explore the whole line at once instead of its parts.
     #[arg(long)]
     whole: bool,
-    /// Most states to keep; beyond, the verdict is undecided [default: 50000000; of the orders of an activity 1000000].
+    /// Most states to keep; beyond, the verdict is undecided, or left to parts of the line [default: 50000000, or 6000000 where
+    /// there are smaller parts; of the orders of an activity 1000000].
     #[arg(long, value_parser = at_least_1)]
     states: Option<usize>,
     /// Most memory, about, in MiB; beyond, the verdict is undecided.
@@ -94,6 +95,8 @@ enum SafetyRule {
 
 /// Most states to keep, if the options have none.
 const STATES: usize = 50_000_000;
+/// The same of stations that are explored together where smaller parts of them decide what must never be.
+const STATES_TOGETHER: usize = 6_000_000;
 /// What the scope of a part begins with.
 pub const PART: &str = "part";
 /// A line of more stations than this is explored in parts.
@@ -121,6 +124,9 @@ pub struct Exploration {
     /// Of a part: the stations of the line that are not in it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<String>,
+    /// It has more states than were looked at, and what must never be is decided by smaller parts. The rest is open, and not listed.
+    #[serde(skip)]
+    pub is_left_to_parts: bool,
     /// One by one.
     pub properties: Vec<LineFinding>,
 }
@@ -189,13 +195,13 @@ impl ExploreOptions {
     /// Limits of a cell's exploration.
     pub fn cell_limits(&self) -> linewright_proof::cell::ExplorationLimits {
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let SearchLimits { states, bytes } = self.limits();
+        let SearchLimits { states, bytes } = self.limits(STATES);
         linewright_proof::cell::ExplorationLimits { states: states as u64, bytes, threads }
     }
 
     /// Limits of the exploration of an activity's orders, which takes more for each state.
     pub fn order_limits(&self) -> SearchLimits {
-        SearchLimits { states: self.states.unwrap_or(protocol::STATES), ..self.limits() }
+        self.limits(protocol::STATES)
     }
 
     /// Explores by the options. The first failure ends it, as one is enough.
@@ -303,14 +309,17 @@ impl ExploreOptions {
         setting
     }
 
-    fn limits(&self) -> SearchLimits {
-        SearchLimits { states: self.states.unwrap_or(STATES), bytes: self.memory.saturating_mul(1 << 20) }
+    /// `states`: most of them, if the options have none.
+    fn limits(&self, states: usize) -> SearchLimits {
+        SearchLimits { states: self.states.unwrap_or(states), bytes: self.memory.saturating_mul(1 << 20) }
     }
 
     /// The exploration with intact memories, then the one with restarts and lost memories; only the first where a property fails
     /// in it.
     fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
-        let mut found = self.each(line, what)?;
+        let small = if self.whole { Vec::new() } else { smallest_parts(line) };
+        let states = if small.is_empty() { STATES } else { STATES_TOGETHER };
+        let mut found = vec![self.one(&self.setting(line), what, self.limits(states))?];
         let fails = found.iter().any(|exploration| exploration.has("fails"));
         if fails || self.lost_memories(line).modes.is_empty() {
             return Ok(found);
@@ -318,12 +327,13 @@ impl ExploreOptions {
         let open = !found.iter().all(Exploration::holds);
         // What must never be is decided by the smallest parts: where they hold, the line holds; where one fails, that may come of
         // what was left out of it.
-        let small = if self.whole { Vec::new() } else { smallest_parts(line) };
         let each = if open { ExploreOptions::both } else { ExploreOptions::restarted };
         let of_parts = self.by_parts(line, small, PART, each)?;
         let decided = !of_parts.is_empty() && of_parts.iter().all(Exploration::holds);
         if decided {
             found.iter_mut().for_each(|exploration| exploration.leave_to(&of_parts));
+            let further = self.whole_text();
+            found.iter_mut().for_each(|exploration| exploration.leave_open(&further));
         }
         found.extend(if open || decided { of_parts } else { self.restarted(line, what)? });
         Ok(found)
@@ -331,7 +341,7 @@ impl ExploreOptions {
 
     fn restarted(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
         let what = format!("{what}, restarted with memories, and in auto and hand without");
-        Ok(vec![self.one(&self.lost_memories(line), &what)?])
+        Ok(vec![self.one(&self.lost_memories(line), &what, self.limits(STATES))?])
     }
 
     fn lost_memories(&self, line: &Line) -> LineExploration {
@@ -341,29 +351,45 @@ impl ExploreOptions {
     }
 
     fn each(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
-        Ok(vec![self.one(&self.setting(line), what)?])
+        Ok(vec![self.one(&self.setting(line), what, self.limits(STATES))?])
     }
 
-    fn one(&self, setting: &LineExploration, what: &str) -> Result<Exploration, LineNotExplorable> {
+    fn one(
+        &self,
+        setting: &LineExploration,
+        what: &str,
+        limits: SearchLimits,
+    ) -> Result<Exploration, LineNotExplorable> {
         let modes: Vec<&str> = setting.modes.iter().map(|mode| mode.name()).collect();
         let faults = if setting.faults { "anything may fail" } else { "nothing fails" };
         let views = if setting.lag == 0 { "reports heard at once" } else { "late and lost reports" };
         let scope = format!("{what}: {}; {faults}; {views}", modes.join(", "));
-        self.explored(scope, setting)
+        self.explored(scope, setting, limits)
     }
 
-    fn explored(&self, scope: String, setting: &LineExploration) -> Result<Exploration, LineNotExplorable> {
-        let explored = explore(setting, self.limits())?;
-        let help = explored.limit.map(|limit| self.further(limit, explored.kept));
+    fn explored(
+        &self,
+        scope: String,
+        setting: &LineExploration,
+        limits: SearchLimits,
+    ) -> Result<Exploration, LineNotExplorable> {
+        let explored = explore(setting, limits)?;
+        let help = explored.limit.map(|limit| self.further(limit, explored.kept, limits.states));
         Ok(Exploration { help, ..Exploration::of(scope, explored) })
     }
 
     /// What lets a search look further. How much there is to see is not known before.
-    fn further(&self, limit: LimitReached, kept: usize) -> String {
-        let more = self.more(limit, self.limits().states);
+    fn further(&self, limit: LimitReached, kept: usize, states: usize) -> String {
+        let more = self.more(limit, states);
         format!(
             "{kept} states are kept, and how many there are is not known. {more}; fewer modes (`--mode auto`) are fewer states"
         )
+    }
+
+    /// How the rest is looked at of stations whose conflicts are decided by parts.
+    fn whole_text(&self) -> String {
+        let states = self.limits(STATES).states;
+        format!("for the rest `--whole --states {}` looks at more of them, which takes minutes", states.max(STATES))
     }
 
     /// Help below an undecided rule of an activity's orders: the option that looks further.
@@ -387,7 +413,7 @@ impl ExploreOptions {
     fn undisturbed(&self, line: &Line) -> Result<Exploration, LineNotExplorable> {
         let mut setting = self.setting(line);
         (setting.modes, setting.faults) = (vec![ControlMode::Auto], false);
-        self.explored("the whole line in auto, undisturbed".to_owned(), &setting)
+        self.explored("the whole line in auto, undisturbed".to_owned(), &setting, self.limits(STATES))
     }
 }
 
@@ -405,7 +431,18 @@ impl Exploration {
     fn of(scope: String, explored: LineExplored) -> Self {
         let LineExplored { states, kept, arcs, bytes, exhausted, properties, .. } = explored;
         let properties = properties.into_iter().map(LineFinding::from).collect();
-        Exploration { scope, states, kept, arcs, bytes, exhausted, help: None, left_out: Vec::new(), properties }
+        Exploration {
+            scope,
+            states,
+            kept,
+            arcs,
+            bytes,
+            exhausted,
+            help: None,
+            left_out: Vec::new(),
+            is_left_to_parts: false,
+            properties,
+        }
     }
 
     /// A part that differs in names and times alone from one that has been explored.
@@ -431,6 +468,7 @@ impl Exploration {
             exhausted: verdict == "holds",
             help: None,
             left_out: Vec::new(),
+            is_left_to_parts: false,
             properties: conflicts.chain(whole).map(property).collect(),
         }
     }
@@ -465,6 +503,20 @@ impl Exploration {
                 || !property.holds_by_parts
                 || !of_parts().any(|other| other.name == property.name && other.verdict == "holds")
         });
+    }
+
+    /// What is undecided still is no verdict on the line: of larger lines, which are explored in parts alone, it is not asked. `further`
+    /// says how it is looked at.
+    fn leave_open(&mut self, further: &str) {
+        let listed = self.properties.len();
+        self.properties.retain(|property| property.verdict != "undecided");
+        if self.properties.len() < listed || !self.exhausted {
+            self.is_left_to_parts = true;
+            self.help = Some(format!(
+                "{} states are kept, and how many there are is not known: what must never be is decided by the parts below; {further}",
+                self.kept
+            ));
+        }
     }
 
     /// Whether every property holds; a remark does not speak against the line.

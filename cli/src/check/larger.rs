@@ -74,6 +74,7 @@ mod tests {
             exhausted: true,
             help: None,
             left_out: Vec::new(),
+            is_left_to_parts: false,
             properties: verdicts.iter().map(finding).collect(),
         }
     }

@@ -1,6 +1,8 @@
 //! Result of a check, as data: the JSON of `--json`, and the source of the tables.
 
-use linewright_line::{ParsedLine, Problem, Problems};
+use std::collections::HashSet;
+
+use linewright_line::{Line, ParsedLine, Problem, Problems, StationId};
 use linewright_proof::cell::APART;
 use linewright_proof::explore::{LineExploration, LineNotExplorable};
 use linewright_proof::structure::chart::{RunAhead, run_ahead};
@@ -26,7 +28,8 @@ const NOT_EXPLORED: [&str; 2] = [
 const RING: &str = "what a report can do that arrives after newer ones were sent: stations of this line wait for each \
      other in a ring of three or more, where that may matter";
 /// Question that parts leave open.
-const IN_PARTS: &str = "whether home can be reached from every state of the whole line: parts decide conflicts alone";
+const IN_PARTS: &str =
+    "whether every wait ends and home can be reached, from every state of the whole line: parts decide conflicts alone";
 /// Reported as not decided for a line without its cell that has conflicts of tasks.
 const TASKS: &str = "whether tasks in conflict are ordered at once: a cell's description says what is ordered";
 
@@ -48,7 +51,7 @@ pub struct CheckReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<CellReport>,
     /// Questions that the checks leave open.
-    pub not_decided: Vec<&'static str>,
+    pub not_decided: Vec<String>,
     /// Warnings on the text, with their places; then those on what follows from it, without.
     pub warnings: Vec<TextPlace>,
     /// Errors in the text.
@@ -120,10 +123,11 @@ impl CheckReport {
     pub fn add(&mut self, cell: CellReport) {
         self.ok &= cell.ok;
         if cell.properties.iter().any(|property| property.name == APART) {
-            self.not_decided.retain(|open| *open != TASKS);
+            self.not_decided.retain(|open| open != TASKS);
         }
         if cell.name.is_some() {
-            self.not_decided.push(if cell.sound_parts.is_some() { cell::BREAKDOWN } else { cell::NOT_EXPLORED });
+            let open = if cell.sound_parts.is_some() { cell::BREAKDOWN } else { cell::NOT_EXPLORED };
+            self.not_decided.push(open.to_owned());
         }
         self.cell = Some(cell);
     }
@@ -144,6 +148,29 @@ impl CheckReport {
     }
 }
 
+/// The pairs of stations that no conflict joins, so that one that was forgotten is noticed. None where there is no conflict, or each
+/// pair has one.
+fn pairs_without_conflict(line: &Line) -> Option<String> {
+    /// More are no help to read.
+    const PAIRS_MAX: usize = 8;
+    let joined: HashSet<(StationId, StationId)> =
+        line.conflicts.iter().map(|of| (of.a.station.min(of.b.station), of.a.station.max(of.b.station))).collect();
+    let later = |a: StationId| line.station_ids().skip_while(move |&b| b != a).skip(1);
+    let mut pairs =
+        line.station_ids().flat_map(|a| later(a).map(move |b| (a, b))).filter(|pair| !joined.contains(pair));
+    let name = |id: StationId| &line.station(id).name;
+    let mut named: Vec<String> =
+        pairs.by_ref().take(PAIRS_MAX).map(|(a, b)| format!("{} and {}", name(a), name(b))).collect();
+    let more = pairs.count();
+    if line.conflicts.is_empty() || named.is_empty() {
+        return None;
+    }
+    if more > 0 {
+        named.push(format!("{more} more pairs"));
+    }
+    Some(format!("whether mechanisms of stations can collide that no [[conflict]] joins: {}", named.join(", ")))
+}
+
 /// Checks a description that parses: by structure, then by exploring it by `options`.
 ///
 /// # Errors
@@ -155,22 +182,25 @@ pub fn judge(parsed: &ParsedLine, options: &ExploreOptions) -> Result<CheckRepor
     let sound = stations.iter().all(StructureReport::ok) && line_checks.iter().all(|check| check.ok);
     let explorations = options.explore(line)?;
     let barriers = barriers::of(line, options.measured())?;
-    let mut not_decided = Vec::new();
+    let mut open = Vec::new();
     if !options.asks_to_explore() {
-        not_decided.extend(NOT_EXPLORED);
-    } else if explorations.iter().all(|exploration| exploration.scope.starts_with(PART)) {
-        not_decided.push(IN_PARTS);
+        open.extend(NOT_EXPLORED);
+    } else if explorations.iter().all(|exploration| exploration.scope.starts_with(PART))
+        || explorations.iter().any(|exploration| exploration.is_left_to_parts)
+    {
+        open.push(IN_PARTS);
     }
     if options.asks_to_explore() && !LineExploration::new(line).covers_every_delay() {
-        not_decided.push(RING);
+        open.push(RING);
     }
     if line.conflicts.iter().any(|conflict| line.is_of_tasks(conflict)) {
-        not_decided.push(TASKS);
+        open.push(TASKS);
     }
-    not_decided.push(DEVICES);
+    open.push(DEVICES);
     if line.conflicts.is_empty() {
-        not_decided.push(NO_CONFLICTS);
+        open.push(NO_CONFLICTS);
     }
+    let not_decided = open.into_iter().map(str::to_owned).chain(pairs_without_conflict(line)).collect();
     Ok(CheckReport {
         line: Some(line.name.clone()),
         ok: sound && explorations.iter().all(Exploration::holds) && barriers.iter().all(Barriers::holds),

@@ -4,31 +4,29 @@ use std::io::IsTerminal;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
-/// Shorter checks say nothing.
+/// Of shorter checks nothing is printed.
 const FIRST: Duration = Duration::from_secs(2);
 const AGAIN: Duration = Duration::from_secs(20);
 
-/// Prints the time that a check has taken so far on standard error, if that is a terminal, until it is dropped.
+/// Prints the time that a check has taken so far on standard error until it is dropped; into a file or a pipe less often.
 pub struct SlowCheck {
-    _ends: Option<Sender<()>>,
+    _ends: Sender<()>,
 }
 
 impl SlowCheck {
     pub fn begin() -> Self {
-        if !std::io::stderr().is_terminal() {
-            return SlowCheck { _ends: None };
-        }
+        let (first, again) = if std::io::stderr().is_terminal() { (FIRST, AGAIN) } else { (3 * AGAIN, 3 * AGAIN) };
         let (ends, ended) = channel::<()>();
         std::thread::spawn(move || {
             let began = Instant::now();
-            let mut wait = FIRST;
+            let mut wait = first;
             // The check has ended when the other end is gone.
             while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
                 crate::out::complain!("{}", text(began.elapsed()));
-                wait = AGAIN;
+                wait = again;
             }
         });
-        SlowCheck { _ends: Some(ends) }
+        SlowCheck { _ends: ends }
     }
 }
 

@@ -52,8 +52,11 @@ struct TransferLineArgs {
 #[derive(Debug, clap::Args)]
 struct NewTarget {
     /// Name, which is the ROS namespace: lower-case letters, digits and single `_`, a letter first.
-    #[arg(long, value_parser = name)]
+    #[arg(value_name = "NAME", value_parser = name)]
     name: Option<String>,
+    /// The same as NAME.
+    #[arg(long = "name", value_name = "NAME", conflicts_with = "name", value_parser = name)]
+    name_option: Option<String>,
     /// Directory to write to; created if missing [default: the name, or else the kind].
     #[arg(long)]
     dir: Option<PathBuf>,
@@ -116,9 +119,8 @@ fn no_kind(words: &[String]) -> miette::Report {
     let meant = linewright_text::nearest(word, KINDS);
     let meant = meant.map_or_else(String::new, |kind| format!("did you mean `{kind}`? "));
     miette!(
-        help = format!(
-            "{meant}for example `linewright new transfer-line --name my_line`; what each is: `linewright new --help`"
-        ),
+        help =
+            format!("{meant}for example `linewright new transfer-line my_line`; what each is: `linewright new --help`"),
         "there is no '{word}' to begin with; there are {}",
         KINDS.join(", ")
     )
@@ -135,7 +137,7 @@ fn next(dir: &Path, options: &str) {
 impl NewTarget {
     /// Writes the files; gives back their directory.
     fn write(&self, kind: &str, files: &[(&str, &str)]) -> miette::Result<PathBuf> {
-        let dir = match (&self.dir, &self.name) {
+        let dir = match (&self.dir, self.name()) {
             (Some(dir), _) => dir.clone(),
             (None, Some(name)) => name.into(),
             (None, None) => kind.into(),
@@ -156,9 +158,13 @@ impl NewTarget {
         Ok(dir)
     }
 
+    fn name(&self) -> Option<&String> {
+        self.name.as_ref().or(self.name_option.as_ref())
+    }
+
     /// The text with the name in it.
     fn named(&self, text: &str) -> String {
-        let Some(name) = &self.name else { return text.to_owned() };
+        let Some(name) = self.name() else { return text.to_owned() };
         let mut is_done = false;
         let lines = text.split_inclusive('\n').map(|line| match line.strip_prefix("name = \"") {
             Some(rest) if !is_done => {
