@@ -302,9 +302,13 @@ impl DraftStation<'_> {
 
     /// The operations in the order they are done after home; the home operation comes last.
     pub fn round_from_home(&self) -> Option<Vec<OpId>> {
-        let home = self.home.as_ref()?.value.index();
+        Some(self.round_after(self.home.as_ref()?.value).collect())
+    }
+
+    /// The operations in the order they are done after this one, which comes last.
+    pub fn round_after(&self, last: OpId) -> impl Iterator<Item = OpId> {
         let count = self.operations.len();
-        Some((1..=count).map(|i| OpId::at((home + i) % count)).collect())
+        (1..=count).map(move |i| OpId::at((last.index() + i) % count))
     }
 }
 

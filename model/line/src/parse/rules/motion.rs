@@ -7,7 +7,7 @@ use std::ops::Range;
 use linewright_text::{Problem, Report};
 
 use super::operations::same_place;
-use crate::AxisId;
+use crate::{AxisId, OpId};
 use crate::parse::draft::DraftStation;
 
 /// An axis on its way round the cycle, or through a task.
@@ -18,20 +18,40 @@ pub(super) struct Position {
 }
 
 pub(super) fn motions_chain(station: &DraftStation<'_>, report: &mut Report) {
-    let Some(round) = station.round_from_home() else { return };
+    let Some(home) = &station.home else { return };
     // One unknown motion leaves every later position of an unknown axis in doubt.
     if station.operations.iter().any(|op| op.motion.is_none()) {
         return;
     }
+    let problems = gaps(station, home.value);
+    let fits = |op: &OpId| gaps(station, *op).is_empty();
+    let other = (0..station.operations.len()).map(OpId::at).find(|op| !problems.is_empty() && fits(op));
+    let Some(other) = other else { return problems.into_iter().for_each(|problem| report.add(problem)) };
+    // Nothing is wrong but where the cycle begins.
+    let name = |op: OpId| station.operation(op).name;
+    let message = format!(
+        "after `{}` the axes are not where `axes` has them at home; after `{}` they are",
+        name(home.value),
+        name(other)
+    );
+    report.add(
+        Problem::error(home.at.clone(), message)
+            .hint(format!("`home = \"{}\"`, or give the positions in `axes` at which the cycle begins", name(other))),
+    );
+}
+
+/// Where motions do not follow each other on their axes, in a cycle that ends with `home`.
+fn gaps(station: &DraftStation<'_>, home: OpId) -> Vec<Problem> {
+    let mut problems = Vec::new();
     let mut axes: Vec<Position> = station.axes.iter().map(|axis| Position { at: axis.home, left_by: None }).collect();
-    for op in round {
+    for op in station.round_after(home) {
         let operation = station.operation(op);
         let Some(motion) = &operation.motion else { continue };
         let position = &mut axes[motion.value.axis.index()];
         if !same_place(position.at, motion.value.from) {
             let axis = &station.axes[motion.value.axis.index()].name;
             let from = operation.raw.moves.as_ref().and_then(|m| m.from.as_ref()).map_or(&motion.at, |f| &f.at);
-            report.add(gap(operation.name, motion.value.from, from, axis, position, "at home"));
+            problems.push(gap(operation.name, motion.value.from, from, axis, position, "at home"));
         }
         *position = Position { at: motion.value.to, left_by: Some((operation.name.to_owned(), motion.at.clone())) };
     }
@@ -41,13 +61,14 @@ pub(super) fn motions_chain(station: &DraftStation<'_>, report: &mut Report) {
         if !same_place(position.at, axis.home) {
             let message =
                 format!("`{name}` leaves `{}` at {}, but at home it stands at {}", axis.name, position.at, axis.home);
-            report.add(
+            problems.push(
                 Problem::error(at.clone(), message)
                     .also(&raw.at, "its home position")
                     .hint("a cycle ends where it began"),
             );
         }
     }
+    problems
 }
 
 /// A motion that starts where its axis is not; `before` is when, if nothing has moved it yet.
