@@ -43,6 +43,8 @@
 //! The converse does not hold: a conflict reached in a part may be prevented by somebody outside it, and stations that
 //! run away from each other in a part may be held back.
 
+use std::collections::HashSet;
+
 use linewright_line::net::{ControlMode, StationNet, Var};
 use linewright_line::{
     Arrow, BUTTONS_MAX, ButtonId, Conflict, Console, DeviceBus, Line, MaterialFlow, OperationModule, StateSpan,
@@ -113,28 +115,91 @@ fn of_conflicts(line: &Line) -> Vec<PartCore> {
 }
 
 fn parts_around(line: &Line, cores: &[PartCore], together_max: usize) -> Vec<SubLine> {
-    let reads_absence = absence_read(line);
-    let divided: Vec<Option<Sequences>> = line.stations.iter().map(Sequences::of).collect();
-    let inseparable: Vec<Vec<StationId>> = std::iter::zip(&reads_absence, &divided)
-        .map(|(read, divided)| if divided.is_some() { Vec::new() } else { read.clone() })
-        .collect();
+    let joins = StationJoins::of(line);
     let mut parts: Vec<SubLine> = Vec::new();
     for &(pair, conflict) in cores {
-        let mut stations = closure(&reads_absence, pair);
+        let mut stations = closure(&joins.reads_absence, &pair);
         if stations.len() > together_max {
-            stations = closure(&inseparable, pair);
+            stations = closure(&joins.inseparable, &pair);
         }
         if let Some(part) = parts.iter_mut().find(|part| part.stations == stations) {
             part.conflicts.extend(conflict);
             continue;
         }
-        let mut part = part_of(line, &stations);
-        let all_here = |id: StationId| reads_absence[id.index()].iter().all(|read| stations.contains(read));
-        let outside: Vec<usize> = (0..stations.len()).filter(|&nth| !all_here(stations[nth])).collect();
-        outside.iter().for_each(|&nth| divide(&mut part, nth, &divided[stations[nth].index()]));
-        parts.push(SubLine { line: part, stations, conflicts: conflict.into_iter().collect() });
+        parts.push(SubLine {
+            line: joins.part_with(line, &stations),
+            stations,
+            conflicts: conflict.into_iter().collect(),
+        });
     }
     parts
+}
+
+/// The part with the stations besides through which arrows lead from one of its stations to another one by the
+/// shortest way: they may prevent what the part reaches. None where there are none.
+pub fn larger(line: &Line, part: &SubLine) -> Option<SubLine> {
+    let joins = StationJoins::of(line);
+    let between = between(line, &part.stations)?;
+    let stations = closure(&joins.inseparable, &[&part.stations[..], &between].concat());
+    Some(SubLine { line: joins.part_with(line, &stations), stations, conflicts: part.conflicts.clone() })
+}
+
+/// The stations outside on the shortest way along arrows, in either direction, from one of these stations to another one of them.
+fn between(line: &Line, stations: &[StationId]) -> Option<Vec<StationId>> {
+    let mut ways: Vec<Vec<StationId>> = stations.iter().map(|&id| vec![id]).collect();
+    // Each station outside is reached first by one of the shortest ways to it from each station inside.
+    let mut reached: HashSet<(StationId, StationId)> = HashSet::new();
+    while !ways.is_empty() {
+        let mut longer = Vec::new();
+        for way in &ways {
+            let (first, last) = (way[0], way[way.len() - 1]);
+            for next in line.arrows.iter().filter_map(|arrow| other_end(arrow, last)) {
+                if stations.contains(&next) {
+                    if next != first && way.len() > 1 {
+                        return Some(way[1..].to_vec());
+                    }
+                } else if reached.insert((first, next)) {
+                    longer.push([&way[..], &[next]].concat());
+                }
+            }
+        }
+        ways = longer;
+    }
+    None
+}
+
+fn other_end(arrow: &Arrow, of: StationId) -> Option<StationId> {
+    let (from, to) = (arrow.from.0, arrow.to.0);
+    if from == of { Some(to) } else { (to == of).then_some(from) }
+}
+
+/// What joins the stations of a line besides arrows.
+struct StationJoins {
+    /// By station: those whose arrows it acts on when they do not hold.
+    reads_absence: Vec<Vec<StationId>>,
+    /// The same of those that cannot be given buttons of their own instead.
+    inseparable: Vec<Vec<StationId>>,
+    divided: Vec<Option<Sequences>>,
+}
+
+impl StationJoins {
+    fn of(line: &Line) -> Self {
+        let reads_absence = absence_read(line);
+        let divided: Vec<Option<Sequences>> = line.stations.iter().map(Sequences::of).collect();
+        let inseparable = std::iter::zip(&reads_absence, &divided)
+            .map(|(read, divided)| if divided.is_some() { Vec::new() } else { read.clone() })
+            .collect();
+        StationJoins { reads_absence, inseparable, divided }
+    }
+
+    /// These stations alone; those that act on arrows from outside have buttons of their own for each direction.
+    fn part_with(&self, line: &Line, stations: &[StationId]) -> Line {
+        let mut part = part_of(line, stations);
+        let all_here = |id: StationId| self.reads_absence[id.index()].iter().all(|read| stations.contains(read));
+        let outside: Vec<usize> = (0..stations.len()).filter(|&nth| !all_here(stations[nth])).collect();
+        outside.iter().for_each(|&nth| divide(&mut part, nth, &self.divided[stations[nth].index()]));
+        part
+    }
 }
 
 /// The hand-mode sequences of a station in which one button has two meanings, and can be two.
@@ -233,7 +298,7 @@ fn absence_read(line: &Line) -> Vec<Vec<StationId>> {
         .collect()
 }
 
-fn closure(reads_absence: &[Vec<StationId>], start: [StationId; 2]) -> Vec<StationId> {
+fn closure(reads_absence: &[Vec<StationId>], start: &[StationId]) -> Vec<StationId> {
     let mut stations = Vec::new();
     let mut open = start.to_vec();
     while let Some(station) = open.pop() {

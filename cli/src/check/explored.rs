@@ -8,7 +8,7 @@ use linewright_proof::explore::{
     Grants, LimitReached, LineExploration, LineExplored, LineNotExplorable, LinePath, LineProperty, SearchLimits,
     Verdict, explore,
 };
-use linewright_proof::parts::{SubLine, cyclic, parts, smallest_parts, task_driven};
+use linewright_proof::parts::{self, SubLine, cyclic, smallest_parts, task_driven};
 use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
@@ -239,7 +239,7 @@ impl ExploreOptions {
             found.extend(self.both(line, "the whole line")?);
             return Ok(found);
         }
-        self.by_parts(line, parts(line), PART, ExploreOptions::both)
+        self.by_parts(line, parts::parts(line), PART, ExploreOptions::both)
     }
 
     /// Parts of this line; those that are alike are explored once.
@@ -250,39 +250,75 @@ impl ExploreOptions {
         what: &str,
         each: fn(&Self, &Line, &str) -> Result<Vec<Exploration>, LineNotExplorable>,
     ) -> Result<Vec<Exploration>, LineNotExplorable> {
-        let (mut found, mut seen): (_, Vec<(SubLine, bool)>) = (Vec::new(), Vec::new());
-        let mut of_parts: Vec<PartFound> = Vec::new();
+        let (mut found, mut explored) = (Vec::new(), Vec::new());
         for part in parts {
-            let begins = found.len();
-            let stations = part.stations.clone();
-            let like = seen.iter().find(|(other, _)| part.is_like(other));
-            if let Some((other, holds)) = like.map(|(other, holds)| (other.names(), *holds)) {
-                found.push(Exploration::like(&part, what, &other, holds));
-                of_parts.push(PartFound { stations, explorations: begins..found.len() });
-                continue;
-            }
-            let mut explored = match each(self, &part.line, &format!("{what}: {}", part.names())) {
+            self.add_part(line, part, what, each, (&mut found, &mut explored))?;
+        }
+        // Arrows join the parts: what is explored alone has no larger one.
+        if what == PART {
+            self.add_larger(line, each, (&mut found, &mut explored))?;
+            larger::take_over(&mut found, &explored);
+        }
+        Ok(found)
+    }
+
+    fn add_part(
+        &self,
+        line: &Line,
+        part: SubLine,
+        what: &str,
+        each: fn(&Self, &Line, &str) -> Result<Vec<Exploration>, LineNotExplorable>,
+        (found, parts): (&mut Vec<Exploration>, &mut Vec<PartFound>),
+    ) -> Result<(), LineNotExplorable> {
+        let begins = found.len();
+        let like = parts.iter().find(|other| part.is_like(&other.part)).map(|other| (other.part.names(), other.holds));
+        let holds = like.as_ref().map(|(_, holds)| *holds);
+        let mut explored = match like {
+            Some((other, holds)) => vec![Exploration::like(&part, what, &other, holds)],
+            None => match each(self, &part.line, &format!("{what}: {}", part.names())) {
                 // A part that is too large leaves its conflicts open, and the others are decided.
                 Err(why) if !matches!(why, LineNotExplorable::Compile(_)) => {
                     vec![Exploration::unexplored(&part, what, "undecided", &why.to_string())]
                 }
                 explored => explored?,
-            };
-            // Arrows join the stations of a part to those outside it; one that is explored alone has none.
-            if what == PART {
-                let outside = line.station_ids().filter(|id| !part.stations.contains(id));
-                let outside: Vec<String> = outside.map(|id| line.station(id).name.clone()).collect();
-                explored.iter_mut().for_each(|exploration| exploration.left_out.extend(outside.iter().cloned()));
+            },
+        };
+        // Arrows join the stations of a part to those outside it; one that is explored alone has none.
+        if what == PART && holds.is_none() {
+            let outside = line.station_ids().filter(|id| !part.stations.contains(id));
+            let outside: Vec<String> = outside.map(|id| line.station(id).name.clone()).collect();
+            explored.iter_mut().for_each(|exploration| exploration.left_out.extend(outside.iter().cloned()));
+        }
+        let holds = holds.unwrap_or_else(|| explored.iter().all(Exploration::holds));
+        found.extend(explored);
+        parts.push(PartFound { part, holds, explorations: begins..found.len() });
+        Ok(())
+    }
+
+    /// Where a part reaches a conflict, it is explored with the stations that may prevent it, as long as these do.
+    fn add_larger(
+        &self,
+        line: &Line,
+        each: fn(&Self, &Line, &str) -> Result<Vec<Exploration>, LineNotExplorable>,
+        (found, parts): (&mut Vec<Exploration>, &mut Vec<PartFound>),
+    ) -> Result<(), LineNotExplorable> {
+        for at in 0..parts.len() {
+            let open = |one: &Exploration| one.properties.iter().any(LineFinding::is_open_by_parts);
+            if !found[parts[at].explorations.clone()].iter().any(open) {
+                continue;
             }
-            seen.push((part, explored.iter().all(Exploration::holds)));
-            found.extend(explored);
-            of_parts.push(PartFound { stations, explorations: begins..found.len() });
+            let Some(larger) = parts::larger(line, &parts[at].part) else { continue };
+            // The whole line is for `--whole`.
+            let is_known = parts.iter().any(|other| other.part.stations == larger.stations);
+            if is_known || larger.stations.len() == line.stations.len() {
+                continue;
+            }
+            self.add_part(line, larger, PART, each, (found, parts))?;
+            if parts.last().is_some_and(|larger| !larger.holds) {
+                break;
+            }
         }
-        // Arrows join the parts: what is explored alone has no larger one.
-        if what == PART {
-            larger::take_over(&mut found, &of_parts);
-        }
-        Ok(found)
+        Ok(())
     }
 
     fn setting(&self, line: &Line) -> LineExploration {
@@ -522,6 +558,13 @@ impl Exploration {
     /// Whether every property holds; a remark does not speak against the line.
     pub fn holds(&self) -> bool {
         self.properties.iter().all(|property| matches!(property.verdict, "holds" | "remark"))
+    }
+}
+
+impl LineFinding {
+    /// It is not decided to hold, and larger parts may decide that.
+    pub fn is_open_by_parts(&self) -> bool {
+        self.holds_by_parts && matches!(self.verdict, "fails" | "undecided")
     }
 }
 

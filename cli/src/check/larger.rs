@@ -3,19 +3,21 @@
 
 use std::ops::Range;
 
-use linewright_line::StationId;
+use linewright_proof::parts::SubLine;
 
 use super::explored::{Exploration, LineFinding};
 
 /// The explorations of one part, among those of all parts.
 pub struct PartFound {
-    pub stations: Vec<StationId>,
+    pub part: SubLine,
+    /// All of it holds.
+    pub holds: bool,
     pub explorations: Range<usize>,
 }
 
 /// Takes over what holds in a larger part; the part with its stations is named.
 pub fn take_over(found: &mut [Exploration], parts: &[PartFound]) {
-    let open = |finding: &&LineFinding| finding.holds_by_parts && matches!(finding.verdict, "fails" | "undecided");
+    let open = |finding: &&LineFinding| finding.is_open_by_parts();
     for part in parts {
         let larger: Vec<&PartFound> = parts.iter().filter(|other| has_more(other, part)).collect();
         for index in part.explorations.clone() {
@@ -43,7 +45,8 @@ pub fn take_over(found: &mut [Exploration], parts: &[PartFound]) {
 }
 
 fn has_more(other: &PartFound, part: &PartFound) -> bool {
-    other.stations.len() > part.stations.len() && part.stations.iter().all(|id| other.stations.contains(id))
+    let (other, part) = (&other.part.stations, &part.part.stations);
+    other.len() > part.len() && part.iter().all(|id| other.contains(id))
 }
 
 /// Whether these explorations have a property of this name, and it holds in each that has it. Conflicts that are described by the same
@@ -80,7 +83,10 @@ mod tests {
     }
 
     fn part(stations: &[u16], explorations: Range<usize>) -> PartFound {
-        PartFound { stations: stations.iter().map(|&id| StationId(id)).collect(), explorations }
+        let text = linewright_line::TransferLine::default().text();
+        let line = linewright_line::parse("line.toml", &text).expect("the shipped line is sound").line;
+        let stations = stations.iter().map(|&id| linewright_line::StationId(id)).collect();
+        PartFound { part: SubLine { stations, conflicts: Vec::new(), line }, holds: false, explorations }
     }
 
     /// The larger one may be explored first or last, with restarts or without.

@@ -7,8 +7,8 @@ use std::ops::Range;
 use linewright_text::{Problem, Report};
 
 use super::operations::same_place;
-use crate::{AxisId, OpId};
 use crate::parse::draft::DraftStation;
+use crate::{AxisId, OpId};
 
 /// An axis on its way round the cycle, or through a task.
 pub(super) struct Position {
