@@ -220,6 +220,25 @@ fn conflicts_are_decided_in_parts_where_the_whole_line_is_too_much() {
     assert!(help.contains("decided by the parts below") && help.contains("`--whole --states 50000000`"), "{help}");
 }
 
+/// The first and the third of a row meet where nothing joins them; the second one between keeps them apart.
+#[test]
+fn a_conflict_that_a_part_meets_is_looked_at_with_the_stations_between() {
+    let scratch = Scratch::new();
+    let row = scratch.file("row.toml", include_str!("../../proof/tests/row.toml"));
+    let output = linewright(&["check", &row, "--mode", "auto"]);
+    let out = text(&output.stdout);
+    assert!(output.status.success(), "{output:?}");
+    assert!(out.contains("✓ never: s2 is in the way: in the larger part of s0, s1, s2"), "{out}");
+    // Without the rule of the second one they meet there, too.
+    let broken = include_str!("../../proof/tests/row.toml").replace("from = \"s1: back\"", "from = \"s1: forth\"");
+    let broken =
+        broken.replacen("from = \"s0: back\"\nto = \"s1: forth\"", "from = \"s0: forth\"\nto = \"s1: forth\"", 1);
+    let output = linewright(&["check", &scratch.file("broken.toml", &broken), "--mode", "auto"]);
+    let out = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert!(out.contains("✗ never: s2 is in the way") && out.contains("part: s0, s1, s2"), "{out}");
+}
+
 #[test]
 fn all_problems_of_a_text_are_reported_with_their_places() {
     let scratch = Scratch::new();

@@ -39,7 +39,7 @@ fn machines_beside_each_other_are_parts_that_differ_in_names_alone() {
 /// Stations in a row, each waiting for the one before it: the first is held off the last by all between them.
 #[test]
 fn a_larger_part_has_the_stations_between() {
-    let line = row_of_four();
+    let line = parse("row.toml", include_str!("row.toml")).expect("the row is sound").line;
     let found = parts(&line);
     assert_eq!(found.iter().map(|part| part.names()).collect::<Vec<_>>(), ["s0, s2"]);
     let in_auto = |line| {
@@ -53,37 +53,6 @@ fn a_larger_part_has_the_stations_between() {
     let explored = in_auto(&wider.line);
     assert!(!met(&explored) && explored.exhausted, "{:?}", explored.properties);
     assert!(larger(&line, &wider).is_none(), "the fourth has one arrow alone");
-}
-
-/// Each of the first three begins when the one before it is back, and the first anew when the third is. A fourth waits for the first.
-fn row_of_four() -> Line {
-    let buttons: Vec<String> = (0..16).map(|at| format!("\"B{at}\"")).collect();
-    let mut text = format!("name = \"row\"\nbuttons = [{}]\n", buttons.join(", "));
-    for station in 0..4 {
-        text += &format!(
-            "[[station]]\nname = \"s{station}\"\nhome = \"back\"\naxes = {{ x = 0.0 }}\nbus = \"can{station}\"\n"
-        );
-        for (op, from, to) in [(0, 0, 10), (1, 10, 0)] {
-            let (name, own) = (["forth", "back"][op], 4 * station);
-            let (forward, back, next) = (own + op, own + 2 + op, own + 1 - op);
-            text += &format!(
-                "[[station.operation]]\nname = \"{name}\"\nmodule = \"R\"\nmoves = {{ axis = \"x\", from = {from}, to = {to} }}\n\
-                 duration_s = 0.5\nwatchdog_s = 2.0\nnormal = {{ actuator = \"Y_{to}\", complete = \"X_{to}\" }}\n\
-                 recovery = {{ actuator = \"Y_{from}\", complete = \"X_{from}\" }}\n\
-                 hand = {{ type = 6, forward = \"B{forward}\", back = \"B{back}\", next = \"B{next}\" }}\n"
-            );
-        }
-        text += &format!(
-            "[[device]]\nname = \"io {station}\"\nstation = \"s{station}\"\nnode = 1\ninputs = [\"X_0\", \"X_10\"]\n\
-             outputs = [\"Y_0\", \"Y_10\"]\n"
-        );
-    }
-    for (from, to, lag) in [(0, 1, 0), (1, 2, 0), (2, 0, 1), (0, 3, 0)] {
-        text += &format!("[[arrow]]\nfrom = \"s{from}: back\"\nto = \"s{to}: forth\"\nlag = {lag}\n");
-    }
-    text += "[[conflict]]\nwhy = \"s2 is in the way\"\na = { station = \"s0\", from = \"forth\", until = \"back\" }\n\
-             b = { station = \"s2\", from = \"forth\", until = \"back\" }\n";
-    parse("row.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line
 }
 
 /// Whether the whole line meets its conflict, as far as it is explored; and whether the part that decides it is smaller
