@@ -271,7 +271,12 @@ fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<Strin
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
         let failed = if Some(at) == next { failed_again(client, (step, found.returns_home), failed) } else { None };
         if failed.is_none() && (at == 0 || commands != Commands::First) {
-            lines.extend(typed(line, path, step).into_iter().map(|typed| format!("       {typed}")));
+            // Of several places each stands below the command that confirms it.
+            let mut stands = step.stands(line).into_iter();
+            lines.extend(typed(line, path, step).into_iter().flat_map(|typed| {
+                let stands = stands.next().map(|stands| format!("         if it stands so: {stands}"));
+                std::iter::once(format!("       {typed}")).chain(stands)
+            }));
         }
         lines.extend(failed.map(|why| format!("       {why}")));
         if at == 0 {

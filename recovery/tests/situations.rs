@@ -6,7 +6,7 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, MotionStage, StationPlace};
 use linewright_line::{Line, StationId};
 use linewright_plant::MotionFault;
-use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryStep, StationAfter, plan};
+use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryStep, RejoinChoice, plan};
 use linewright_simulation::{LineSim, MotionSelection, NodeProcess, OperatorAction};
 use linewright_station_logic::{RejoinAt, StopCause};
 use linewright_testkit::built::transfer_line;
@@ -335,11 +335,10 @@ fn a_station_that_is_to_be_confirmed_is_named_with_where_it_stands() {
     let line = transfer_line();
     let (station, op) = op(&line, 1, "advance clamp");
     let place = StationPlace { stage: MotionStage::Completed, ..StationPlace::operating(op) };
-    let after = StationAfter { station, places: vec![place], at_home: false, is_in_order: true };
-    let action =
-        RecoveryAction::Rejoin { station, at: RejoinAt::Measured, or_within: Vec::new(), parameters: Vec::new() };
-    let step =
-        RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: Some(after), is_doubtful: false };
+    let on = line.station(station).rest_inputs(place);
+    let at = RejoinChoice { at: RejoinAt::Measured, places: vec![place], on, numbers: Vec::new(), activity: None };
+    let action = RecoveryAction::Rejoin { station, at, or: Vec::new() };
+    let step = RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: None, is_doubtful: false };
     let expected = "clamp_1: look, and if it stands so (advance clamp done: stroke at 60, LS_closed on): rejoin";
     assert_eq!(step.text(&line), expected);
 }
