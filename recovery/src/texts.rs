@@ -105,11 +105,11 @@ fn place_text(line: &Line, station: StationId, place: StationPlace) -> String {
     }
 }
 
-/// What to look at before an axis is brought by hand to where another station may stand.
+/// What to look at before an axis is brought by hand to where, or past where, another station may stand.
 fn in_the_way_text(line: &Line, conflict: usize, station: StationId) -> String {
     let conflict = &line.conflicts[conflict];
     let other = if conflict.a.station == station { conflict.b.station } else { conflict.a.station };
-    format!("; look first whether {} is in its way there ({})", line.station(other).name, conflict.why)
+    format!("; look first whether {} is in its way, there or before it ({})", line.station(other).name, conflict.why)
 }
 
 /// How a station stands in a place that may be confirmed: each operation that is marked then, where each axis stands, and its switches that
@@ -219,7 +219,7 @@ impl RecoveryStep {
                 let places: Vec<String> = places.map(|&place| place_text(line, *station, place)).collect();
                 let (time, button) = (self.hold(line).as_secs_f64(), button.name());
                 format!(
-                    "{}: hold {button} for {time:.1} s: nothing moves, {}{believed}",
+                    "{}: hold {button} for {time:.1} s, though nothing moves: it stands at the end already, and {} by that{believed}",
                     name(*station),
                     places.join(" and ")
                 )

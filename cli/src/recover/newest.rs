@@ -269,4 +269,25 @@ mod tests {
         assert_eq!(unsettled(&cell(vec![waiting(31)], &[1])).len(), 1);
         assert!(unsettled(&cell(vec![waiting(31), activity(2, true, None)], &[31])).is_empty());
     }
+
+    #[test]
+    fn an_order_of_an_activity_has_the_numbers_of_its_task() {
+        let text = include_str!("../../../launch-config/lines/workcell-c1/line.toml");
+        let line = linewright_line::parse("line.toml", text).expect("it is sound").line;
+        let robot = line.station_named("robot").expect("a station");
+        let texts = |of: [&str; 2]| of.map(str::to_owned).to_vec();
+        let load = ActivityState {
+            name: "load M1".to_owned(),
+            part: 7,
+            stations: texts(["robot", "m1"]),
+            tasks: texts(["load m1", "none of its tasks"]),
+            numbers: texts(["slot=2", ""]),
+            ..ActivityState::default()
+        };
+        let cell = CellState { activities: Bounded::new(vec![load]).expect("few"), ..CellState::default() };
+        let [of] = &interrupted(&line, &cell)[..] else { panic!("one of them is known") };
+        let task = line.station(robot).task(of.task).name.as_str();
+        assert_eq!((of.station, task, of.activity.as_str()), (robot, "load m1", "`load M1` of part 7"));
+        assert_eq!(of.numbers, [("slot".to_owned(), 2)]);
+    }
 }
