@@ -63,7 +63,7 @@ impl Need {
             }
             Need::Answer(alarm) => {
                 let answers = alarm.answers.iter().map(ListedAnswer::text).collect::<Vec<_>>().join(" or ");
-                format!("alarm {}: {} Then answer by what is so at the machine now: {answers}", alarm.id, alarm.text)
+                format!("alarm {}: {} Then answer what you find at the machine: {answers}", alarm.id, alarm.text)
             }
             Need::Other(text) => text.clone(),
         }
@@ -219,7 +219,7 @@ impl RecoveryStep {
                 let places: Vec<String> = places.map(|&place| place_text(line, *station, place)).collect();
                 let (time, button) = (self.hold(line).as_secs_f64(), button.name());
                 format!(
-                    "{}: hold {button} for {time:.1} s, though nothing moves: it stands at the end already, and {} by that{believed}",
+                    "{}: hold {button} for {time:.1} s: it is at the end already, so nothing moves, and the press counts ({}){believed}",
                     name(*station),
                     places.join(" and ")
                 )

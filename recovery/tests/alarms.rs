@@ -189,8 +189,7 @@ fn an_alarm_in_auto_is_a_step() {
     let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
     assert!(
         texts.len() == 1
-            && texts[0]
-                .ends_with("Then answer by what is so at the machine now: as-before (not done, part at M1) or gone"),
+            && texts[0].ends_with("Then answer what you find at the machine: as-before (not done, part at M1) or gone"),
         "{texts:#?}"
     );
     assert!(found.has_alarms());

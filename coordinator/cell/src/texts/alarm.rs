@@ -376,7 +376,7 @@ impl AlarmText<'_> {
             AlarmText::Awaited { failure, inputs } => format!("{failure}: {inputs}"),
             AlarmText::LeftWaiting { station, inputs, code } => {
                 let inputs = inputs.unwrap_or("an input");
-                format!("{station}: told to leave while it waited for {inputs} (code {code})")
+                format!("{station}: its order was ended while it waited for {inputs} (code {code})")
             }
             AlarmText::Contradicted { word, found } => format!("Answer \"{word}\" contradicts the sensors: {found}."),
             AlarmText::Moved { station, word } => format!("{station} moved after the answer \"{word}\"."),

@@ -283,7 +283,7 @@ fn an_order_left_while_it_waited_is_not_called_late() {
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let text = bench.alarm().text.clone();
     assert!(text.contains("robot: awaited input not on in time (code 22): m1_clamped, after"), "{text}");
-    assert!(text.contains("; m1: told to leave while it waited for part_present (code 12); robot"), "{text}");
+    assert!(text.contains("; m1: its order was ended while it waited for part_present (code 12); robot"), "{text}");
 }
 
 #[test]
