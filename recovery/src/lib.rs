@@ -24,6 +24,7 @@
 mod beside;
 mod bring;
 mod by_hand;
+mod confirm;
 mod desk;
 mod distance;
 mod ends;
