@@ -26,6 +26,9 @@ use super::record::Record;
 use super::serial;
 use super::table::CellTable;
 
+/// The name of a task, and the numbers of its parameters.
+type OrderedTask<'s> = (&'s Arc<str>, Vec<(Arc<str>, i32)>);
+
 /// A part in the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -302,7 +305,7 @@ impl PlayerState {
     }
 
     /// The task of that order, and the numbers of its parameters; none if its activity is not in progress, or a number is not known.
-    pub fn ordered_task(&self, key: OrderKey) -> Option<(&Arc<str>, Vec<(Arc<str>, i32)>)> {
+    pub fn ordered_task(&self, key: OrderKey) -> Option<OrderedTask<'_>> {
         let &(_, at) = self.orders.get(&key)?;
         let (firing, _) = self.order(key)?;
         let template = self.table.activity(firing.mode).orders.get(at)?;
