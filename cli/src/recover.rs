@@ -210,9 +210,10 @@ fn is_over_again(state: &StationState) -> bool {
 }
 
 /// The causes, with what is to be done about them before the next motion. `signals_off`: stations that a fault signal has stopped which
-/// is off now; nothing is still so of that, but what brought it on may be.
+/// is off now: its cause may be there still.
 fn cause_lines(line: &Line, causes: &[(&str, &StationState)], signals_off: &[StationId]) -> Vec<String> {
-    const STILL_SO: &str = "       remove what is still so of it first: it leads to the same fault again";
+    const STILL_SO: &str =
+        "       first put right what still causes it: otherwise the next motion ends in the same fault";
     const OFF: &str = "       look at the mechanism: the signal has gone off; its cause may still be there";
     let is_off = |name: &str| line.station_named(name).is_some_and(|id| signals_off.contains(&id));
     let lines_of = |&(station, state): &(&str, &StationState)| {
@@ -271,7 +272,12 @@ fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<Strin
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
         let failed = if Some(at) == next { failed_again(client, (step, found.returns_home), failed) } else { None };
         if failed.is_none() && (at == 0 || commands != Commands::First) {
-            lines.extend(typed(line, path, step).into_iter().map(|typed| format!("       {typed}")));
+            // Of several places each stands below the command that confirms it.
+            let mut stands = step.stands(line).into_iter();
+            lines.extend(typed(line, path, step).into_iter().flat_map(|typed| {
+                let stands = stands.next().map(|stands| format!("         if it stands so: {stands}"));
+                std::iter::once(format!("       {typed}")).chain(stands)
+            }));
         }
         lines.extend(failed.map(|why| format!("       {why}")));
         if at == 0 {
@@ -382,7 +388,7 @@ mod tests {
         let stopped = StationState { stop_causes: vec![StationState::CAUSE_SIGNAL], ..broken.clone() };
         let [cause, advice] = &cause_lines(&line, &[(name, &stopped)], &[])[..] else { panic!("two lines") };
         assert_eq!(cause, &format!("cause: {name}: {fault}"));
-        assert!(advice.contains("remove what is still so of it first"), "{advice}");
+        assert!(advice.contains("first put right what still causes it"), "{advice}");
         let off = cause_lines(&line, &[(name, &stopped)], &[StationId(1)]);
         let advice = "       look at the mechanism: the signal has gone off; its cause may still be there";
         assert_eq!(off, [cause.as_str(), advice]);

@@ -15,6 +15,8 @@ pub(crate) const NOT_HOME: &str = "not all stations are home";
 const ROUNDS: usize = 60;
 /// Steps after which a station that is in none of its operations is put home by hand.
 const TRIED: usize = 12;
+/// Places on the way of an axis that is pushed by hand at which is looked whether another station is in its way, the last one included.
+const PASSED: usize = 16;
 
 impl World {
     pub(crate) fn controller(&self, at: usize) -> Option<&Controller> {
@@ -207,15 +209,22 @@ impl World {
         self.put_by_hand(at, &places)
     }
 
-    /// Puts axes of a station to these places by hand. A person does not push one to where another station is in its way.
+    /// Puts axes of a station to these places by hand. A person does not push one to where another station is in its way, nor past it.
     ///
     /// # Errors
     /// Where that is so; they stand where they stood.
     pub(crate) fn put_by_hand(&mut self, at: usize, places: &[(AxisId, f64)]) -> Result<(), String> {
         let (id, now) = (StationId::at(at), self.now);
         let before: Vec<f64> = places.iter().map(|&(axis, _)| self.plant.position(id, axis)).collect();
-        places.iter().for_each(|&(axis, to)| self.plant.place(now, id, axis, to));
-        if !self.observer.would_meet(&self.line, &self.plant, at) {
+        let meets = |passed: usize| {
+            let way = places.iter().zip(&before);
+            way.for_each(|(&(axis, to), from)| {
+                let at = from + (to - from) * passed as f64 / PASSED as f64;
+                self.plant.place(now, id, axis, at);
+            });
+            self.observer.would_meet(&self.line, &self.plant, at)
+        };
+        if !(1..=PASSED).any(meets) {
             self.look_at_devices(at);
             return Ok(());
         }

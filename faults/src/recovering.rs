@@ -147,8 +147,8 @@ impl World {
                 unreachable!("{station:?}: a line without a cell has no manual beside auto, and no alarm")
             }
             RecoveryAction::Selector(station, manual) => self.say_selector(station.index(), *manual),
-            RecoveryAction::Rejoin { station, at, or_within, .. } => {
-                let at = self.seen_place(*station, *at, or_within);
+            RecoveryAction::Rejoin { station, at, .. } => {
+                let at = self.seen_place(*station, at.at, &step.action);
                 self.say_rejoin(station.index(), at);
             }
         }
@@ -156,11 +156,10 @@ impl World {
     }
 
     /// Which of the operations that the switches fit it is, the person sees.
-    fn seen_place(&self, station: StationId, at: RejoinAt, or_within: &[OpId]) -> RejoinAt {
-        let RejoinAt::Within(named) = at else { return at };
+    fn seen_place(&self, station: StationId, at: RejoinAt, action: &RecoveryAction) -> RejoinAt {
         let fits = self.operations_that_fit(station);
-        let all = std::iter::once(named).chain(or_within.iter().copied());
-        RejoinAt::Within(all.into_iter().find(|op| fits.contains(op)).unwrap_or(named))
+        let is_seen = |at: &RejoinAt| matches!(at, RejoinAt::Within(op) if fits.contains(op));
+        action.choices().map(|choice| choice.at).find(is_seen).unwrap_or(at)
     }
 
     /// Brings the line to auto by plans, and waits for a whole cycle.

@@ -96,8 +96,9 @@ fn version_7() {
 }
 
 /// An alarm has which way its stations are led, which one is brought to another rest, which still have an order, what each of its
-/// answers means, and what sensors say of each. No node was released that used an earlier version.
+/// answers means, and what sensors say of each; an activity has the orders of its stations with their numbers. No node was released that
+/// used an earlier version.
 #[test]
-fn version_8() {
-    holds("v8", samples::cell_state());
+fn version_9() {
+    holds("v9", samples::cell_state());
 }

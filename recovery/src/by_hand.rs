@@ -35,25 +35,34 @@ pub(crate) fn unplaced(line: &Line, id: StationId, reports: &[StationReport]) ->
     }
     places.sort_by_cached_key(|switch| {
         let image = image::put_onto(station, report.measured, switch.input.bit());
-        let is_in_the_way = !in_the_way(line, (id, image), reports).is_empty();
-        (is_in_the_way, !is_confirmable(line, id, report, image), !home(switch))
+        let passing = passed(station, report.measured, switch.input);
+        let meets = |images: &[u128]| !in_the_way(line, (id, images), reports).is_empty();
+        // Where it may meet one at the end is worse than on the way: it stays there.
+        (meets(&[image]), meets(&[passing]), !is_confirmable(line, id, report, image), !home(switch))
     });
     places.first().map(|switch| (switch.op, switch.input))
 }
 
-/// The step in which an axis is brought onto a switch, with the conflicts in which another station may be in its way there.
+/// The step in which an axis is brought onto a switch, with the conflicts in which another station may be in its way there or on the way.
 pub(crate) fn need(line: &Line, (station, op, input): (StationId, OpId, InputId), reports: &[StationReport]) -> Need {
-    let image = image::put_onto(line.station(station), reports[station.index()].measured, input.bit());
-    Need::Axis { station, op, input, conflicts: in_the_way(line, (station, image), reports) }
+    let (described, measured) = (line.station(station), reports[station.index()].measured);
+    let images = [image::put_onto(described, measured, input.bit()), passed(described, measured, input)];
+    Need::Axis { station, op, input, conflicts: in_the_way(line, (station, &images), reports) }
 }
 
-/// The conflicts of a station that no measurement excludes, with this image of its own: neither it nor the other one is measured
-/// outside its state.
-fn in_the_way(line: &Line, (id, image): (StationId, u128), reports: &[StationReport]) -> Vec<usize> {
+/// The image on the way onto a switch: its axis is at none. A state that the axis is in anywhere between its switches is not excluded then.
+fn passed(station: &Station, measured: u128, switch: InputId) -> u128 {
+    image::put_onto(station, measured, switch.bit()) & !switch.bit()
+}
+
+/// The conflicts of a station that no measurement excludes in one of these images of its own: neither it nor the other one is
+/// measured outside its state.
+fn in_the_way(line: &Line, (id, images): (StationId, &[u128]), reports: &[StationReport]) -> Vec<usize> {
     let is_clear = |span: &linewright_line::StateSpan| {
         let report = &reports[span.station.index()];
-        let measured = if span.station == id { image } else { report.measured };
-        report.devices_valid && line.clearance(span).is_ok_and(|inputs| inputs.hold(measured))
+        let clear = |measured: u128| line.clearance(span).is_ok_and(|inputs| inputs.hold(measured));
+        report.devices_valid
+            && if span.station == id { images.iter().all(|&image| clear(image)) } else { clear(report.measured) }
     };
     let of = line.conflicts.iter().enumerate().filter(|(_, of)| of.a.station == id || of.b.station == id);
     of.filter(|(_, of)| !is_clear(&of.a) && !is_clear(&of.b)).map(|(conflict, _)| conflict).collect()

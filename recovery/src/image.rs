@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_line::net::{Block, StationPlace};
 use linewright_line::{
-    Device, Grip, Line, MotionSignals, OpId, OperationModule, Owner, Sensor, Sign, Stand, Station, StationId,
+    AxisId, Device, Grip, Line, MotionSignals, OpId, OperationModule, Owner, Sensor, Sign, Stand, Station, StationId,
 };
 use linewright_station_logic::StationReport;
 
@@ -44,6 +44,18 @@ fn ends(station: &Station, of: OpId) -> impl Iterator<Item = (f64, u128)> + '_ {
             OperationModule::Irreversible { .. } => None,
         };
         std::iter::once((operation.motion.to, operation.normal.complete.bit())).chain(back)
+    })
+}
+
+/// The switches that measure an axis.
+pub(crate) fn switches_of(station: &Station, axis: AxisId) -> u128 {
+    let ops = station.operations.iter().filter(|op| op.motion.axis == axis);
+    ops.fold(0, |bits, op| {
+        let back = match &op.module {
+            OperationModule::Reversible { recovery, .. } => recovery.complete.bit(),
+            OperationModule::Irreversible { .. } => 0,
+        };
+        bits | op.normal.complete.bit() | back
     })
 }
 

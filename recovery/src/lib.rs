@@ -24,6 +24,7 @@
 mod beside;
 mod bring;
 mod by_hand;
+mod confirm;
 mod desk;
 mod distance;
 mod ends;
@@ -44,5 +45,9 @@ pub use plan::{RecoveryEnd, RecoveryPlan, plan};
 pub use reason::StepReason;
 pub use restore::RestoreMisfit;
 pub use search::{TRIED_FOR_ANY_MAX, TRIED_MAX};
-pub use situation::{ActivityEnd, ConsoleSituation, DecidedEnd, LineSituation, StandingAlarm, as_received};
-pub use step::{Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
+pub use situation::{
+    ActivityEnd, ConsoleSituation, DecidedEnd, InterruptedTask, LineSituation, StandingAlarm, as_received,
+};
+pub use step::{
+    ConfirmedNumber, Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep, RejoinChoice, StationAfter,
+};

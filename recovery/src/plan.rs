@@ -317,7 +317,7 @@ pub(crate) fn by_commands_and_presses(
     // Where selectors have led to manual the panels are not the console's.
     let stay: Vec<StationId> = situation.left_out.iter().copied().filter(|id| !led.contains(id)).collect();
     let ends = CommonEnds::of(line, situation, led);
-    let search = |kept| Search::new(&floor, &stay, !by_selectors, (&ends, kept), &accepted);
+    let search = |kept| Search::new(&floor, (&stay, &situation.interrupted), !by_selectors, (&ends, kept), &accepted);
     let (all_kept, mut failed) = (ends.kept(), Vec::new());
     let way = all_kept.iter().find_map(|kept| {
         let found = search(kept).run(&desk.units).map_err(|none| failed.push(none)).ok()?;

@@ -196,7 +196,7 @@ fn played(floor: &PlayedLine<'_>, units: &PlayedStations, step: &RecoveryStep) -
     match &step.action {
         RecoveryAction::Press(station, button) => Some(floor.press(units, station.index(), *button)?.units),
         RecoveryAction::Resume => Some(floor.resume(units)?.units),
-        RecoveryAction::Rejoin { station, at, .. } => floor.rejoin(units, station.index(), *at),
+        RecoveryAction::Rejoin { station, at, .. } => floor.rejoin(units, station.index(), at.at),
         _ => Some(units.clone()),
     }
 }

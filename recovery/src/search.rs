@@ -9,14 +9,15 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use linewright_line::net::StationPlace;
-use linewright_line::{Line, OpId, StationId};
+use linewright_line::{Line, OpId, Parameter, StationId};
 use linewright_station_logic::RejoinAt;
 use rustc_hash::FxHashMap;
 
 use crate::distance::{Aim, Cost, Distances};
 use crate::ends::{CommonEnds, KeptWay};
 use crate::restore::is_unknown;
-use crate::step::{PanelButton, RecoveryAction};
+use crate::situation::InterruptedTask;
+use crate::step::{ConfirmedNumber, PanelButton, RecoveryAction, RejoinChoice};
 use crate::units::{PlayedLine, PlayedStations, Resumed};
 
 /// Presses that are tried, at most, before any plan is taken instead of the shortest.
@@ -87,6 +88,7 @@ pub(crate) struct Search<'f, 'l> {
     distances: Distances<'l>,
     compares: Vec<bool>,
     left_out: &'f [StationId],
+    interrupted: &'f [InterruptedTask],
     /// Resume takes effect.
     resumes: bool,
     /// Stations of one activity end it alike.
@@ -105,7 +107,7 @@ impl<'f, 'l> Search<'f, 'l> {
     /// `accepted`: the mode decision takes auto from there.
     pub fn new(
         floor: &'f PlayedLine<'l>,
-        left_out: &'f [StationId],
+        (left_out, interrupted): (&'f [StationId], &'f [InterruptedTask]),
         resumes: bool,
         (ends, kept): (&'f CommonEnds, &'f KeptWay),
         accepted: &'f dyn Fn(&PlayedStations) -> bool,
@@ -113,7 +115,8 @@ impl<'f, 'l> Search<'f, 'l> {
         let line: &'l Line = floor.line;
         let compares = |id| line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
         let compares = line.station_ids().map(compares).collect();
-        Search { floor, distances: Distances::new(line), compares, left_out, resumes, ends, kept, accepted }
+        let distances = Distances::new(line);
+        Search { floor, distances, compares, left_out, interrupted, resumes, ends, kept, accepted }
     }
 
     fn is_task_driven(&self, station: usize) -> bool {
@@ -276,29 +279,50 @@ impl<'f, 'l> Search<'f, 'l> {
             RejoinAt::Measured | RejoinAt::Rest(_) => report.placed,
         };
         let asked = |at: RejoinAt| match are_known(at) {
-            true => Vec::new(),
-            false => units[station].controller.numbers_to_confirm(at).to_vec(),
+            true => &[],
+            false => units[station].controller.numbers_to_confirm(at),
+        };
+        let choice = |at: RejoinAt, after: &PlayedStations| {
+            let places: Vec<StationPlace> = after[station].controller.marking().collect();
+            let task =
+                places.first().filter(|_| !after[station].report.at_home).and_then(|of| described.task_of(of.op));
+            let order = self.interrupted.iter().find(|of| of.station == id && Some(of.task) == task);
+            let number = |parameter: &Parameter| ConfirmedNumber {
+                parameter: parameter.clone(),
+                known: order.and_then(|order| order.number(parameter)),
+            };
+            let numbers = asked(at).iter().map(number).collect();
+            RejoinChoice {
+                at,
+                places,
+                on: report.measured,
+                numbers,
+                activity: order.map(|order| order.activity.clone()),
+            }
         };
         if let Some(after) = self.floor.rejoin(units, station, RejoinAt::Measured) {
-            let (at, parameters) = (RejoinAt::Measured, vec![asked(RejoinAt::Measured)]);
-            let action = RecoveryAction::Rejoin { station: id, at, or_within: Vec::new(), parameters };
-            return vec![still(action, after)];
+            let at = choice(RejoinAt::Measured, &after);
+            return vec![still(RecoveryAction::Rejoin { station: id, at, or: Vec::new() }, after)];
         }
-        let within = |op: OpId| Some((op, self.floor.rejoin(units, station, RejoinAt::Within(op))?));
-        let mut fitting: Vec<(OpId, PlayedStations)> = described.op_ids().filter_map(within).collect();
-        // Where it is marked to stand goes first, then the same task. A place that its journal has is assumed, the others are named beside it.
-        fitting.sort_by_key(|&(op, _)| (!marked.contains(&op), !is_of_task(op)));
-        let others = |of: OpId| fitting.iter().map(|&(op, _)| op).filter(|&op| op != of).collect();
-        let at = |op: OpId| {
-            let or_within: Vec<OpId> = others(op);
-            let all = std::iter::once(op).chain(or_within.iter().copied());
-            let parameters = all.map(|op| asked(RejoinAt::Within(op))).collect();
-            RecoveryAction::Rejoin { station: id, at: RejoinAt::Within(op), or_within, parameters }
+        let within = |op: OpId| {
+            let after = self.floor.rejoin(units, station, RejoinAt::Within(op))?;
+            Some((op, choice(RejoinAt::Within(op), &after), after))
         };
-        let is_likely = |op: &OpId| report.placed && marked.contains(op);
-        let likely = fitting.iter().filter(|(op, _)| is_likely(op)).count();
-        let assumed = if likely > 0 { likely } else { fitting.len() };
-        fitting.iter().take(assumed).map(|(op, after)| still(at(*op), after.clone())).collect()
+        let mut fitting: Vec<(OpId, RejoinChoice, PlayedStations)> = described.op_ids().filter_map(within).collect();
+        // A place that its journal has is assumed; else one of the task that it was ordered to do. The others are named beside it.
+        let is_kept = |op: OpId| report.placed && marked.contains(&op);
+        fitting
+            .sort_by_key(|(op, of, _)| (!is_kept(*op), of.activity.is_none(), !marked.contains(op), !is_of_task(*op)));
+        let at = |op: OpId| {
+            let at = fitting.iter().find(|(of, ..)| *of == op)?.1.clone();
+            let or = fitting.iter().filter(|(of, ..)| *of != op).map(|(_, of, _)| of.clone()).collect();
+            Some(RecoveryAction::Rejoin { station: id, at, or })
+        };
+        let kept = fitting.iter().filter(|(op, ..)| is_kept(*op)).count();
+        let ordered = fitting.iter().filter(|(_, of, _)| of.activity.is_some()).count();
+        let assumed = [kept, ordered, fitting.len()].into_iter().find(|&count| count > 0).unwrap_or_default();
+        let assumed = fitting.iter().take(assumed);
+        assumed.filter_map(|(op, _, after)| Some(still(at(*op)?, after.clone()))).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_logic::ModeStanding;
 use linewright_line::net::ControlMode;
-use linewright_line::{InputId, Line, OpId, RestId, StationId};
+use linewright_line::{InputId, Line, OpId, Parameter, RestId, StationId, TaskId};
 use linewright_station_logic::{StationReport, StopCause};
 
 use crate::first::fault_signals;
@@ -57,6 +57,25 @@ pub struct StandingAlarm {
     pub bring: Option<(StationId, RestId)>,
 }
 
+/// A task that a station was ordered to do for an activity of a cell that is not over.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InterruptedTask {
+    pub station: StationId,
+    pub task: TaskId,
+    /// The activity with its part, e.g. `` `load M1` of part 7 ``.
+    pub activity: String,
+    /// The numbers of the order, by the names of the task's parameters.
+    pub numbers: Vec<(String, i32)>,
+}
+
+impl InterruptedTask {
+    /// The number of a parameter; none where the order has no such number, or one that does not fit its outputs.
+    pub(crate) fn number(&self, of: &Parameter) -> Option<i32> {
+        let (_, number) = self.numbers.iter().find(|(name, _)| *name == of.name)?;
+        (0..=of.most()).contains(number).then_some(*number)
+    }
+}
+
 /// A situation of a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineSituation {
@@ -77,6 +96,9 @@ pub struct LineSituation {
     pub alarms: Vec<StandingAlarm>,
     /// Failed activities of a cell that have no alarm yet, or none any more, and what they wait for, in words.
     pub unsettled: Vec<String>,
+    /// The orders of a cell that stations were at, as its coordinator has them: of a station without its journal they tell which task it was
+    /// in, and for what.
+    pub interrupted: Vec<InterruptedTask>,
     /// What else keeps every mode from being given, in words: a second coordinator, a journal that cannot be written.
     pub obstacles: Vec<String>,
     /// A station whose node runs with another description.
@@ -100,6 +122,7 @@ impl LineSituation {
             left_out: Vec::new(),
             alarms: Vec::new(),
             unsettled: Vec::new(),
+            interrupted: Vec::new(),
             obstacles: Vec::new(),
             misfit: None,
             stations,

@@ -37,7 +37,7 @@ pub enum Need {
         /// The operation at whose place it is missed.
         op: OpId,
         input: InputId,
-        /// The conflicts of the line in which another station may be in its way there.
+        /// The conflicts of the line in which another station may be in its way, there or before it.
         conflicts: Vec<usize>,
     },
     /// A selector is to be turned to auto at the station's panel, to which this input is wired: no message does it.
@@ -87,12 +87,33 @@ pub enum RecoveryAction {
     /// A person looks and confirms where the station stands.
     Rejoin {
         station: StationId,
-        at: RejoinAt,
-        /// Operations that its switches fit as well: which it is, the person sees.
-        or_within: Vec<OpId>,
-        /// The parameters whose numbers are confirmed with each of these places, that of `at` first.
-        parameters: Vec<Vec<Parameter>>,
+        /// The place that the plan assumes.
+        at: RejoinChoice,
+        /// Others that its switches fit as well: which it is, the person sees.
+        or: Vec<RejoinChoice>,
     },
+}
+
+/// A place that a person may confirm, and how the station stands there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RejoinChoice {
+    pub at: RejoinAt,
+    /// The places that are marked when it is confirmed.
+    pub places: Vec<StationPlace>,
+    /// The inputs that are on, the first of the description in bit 0.
+    pub on: u128,
+    /// The numbers that are confirmed with it.
+    pub numbers: Vec<ConfirmedNumber>,
+    /// The activity of which the station had an order of this task, where the coordinator has one, e.g. `` `load M1` of part 7 ``.
+    pub activity: Option<String>,
+}
+
+/// A number that is confirmed with a place within a task.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ConfirmedNumber {
+    pub parameter: Parameter,
+    /// The number of the order, where the coordinator has one. Else the person gives it.
+    pub known: Option<i32>,
 }
 
 /// A motion that a step makes, with the time it takes.
@@ -134,6 +155,15 @@ pub struct RecoveryStep {
 }
 
 impl RecoveryAction {
+    /// The places of which a person confirms one, the assumed one first; empty for another action.
+    pub fn choices(&self) -> impl Iterator<Item = &RejoinChoice> + Clone {
+        let (at, or) = match self {
+            RecoveryAction::Rejoin { at, or, .. } => (Some(at), &or[..]),
+            _ => (None, &[][..]),
+        };
+        at.into_iter().chain(or)
+    }
+
     /// The station that it is about.
     pub fn station(&self) -> Option<StationId> {
         match self {

@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::net::{Block, MotionStage, StationPlace};
-use linewright_line::{AxisId, Line, OpId, Owner, Parameter, Station, StationId};
-use linewright_station_logic::RejoinAt;
+use linewright_line::net::{Block, StationPlace};
+use linewright_line::{Line, OpId, Owner, StationId};
 
+use crate::confirm;
 use crate::ends::{LedActivity, LedOrder};
 use crate::image;
 use crate::plan::{RecoveryEnd, RecoveryPlan};
@@ -63,7 +63,7 @@ impl Need {
             }
             Need::Answer(alarm) => {
                 let answers = alarm.answers.iter().map(ListedAnswer::text).collect::<Vec<_>>().join(" or ");
-                format!("alarm {}: {} Then answer by what is so at the machine now: {answers}", alarm.id, alarm.text)
+                format!("alarm {}: {} Then answer what you find at the machine: {answers}", alarm.id, alarm.text)
             }
             Need::Other(text) => text.clone(),
         }
@@ -81,71 +81,11 @@ fn axis_of(line: &Line, station: StationId, input: linewright_line::InputId) -> 
     Some(&described.axes[described.operations[op.index()].motion.axis.index()].name)
 }
 
-/// How a person tells whether an index is done, of which the switch does not say it.
-fn index_text(line: &Line, station: StationId, index: OpId, others: impl Iterator<Item = OpId>) -> String {
-    let op = |op: OpId| format!("`{}`", line.operation((station, op)).name);
-    let axis = &line.station(station).axes[line.operation((station, index)).motion.axis.index()].name;
-    let others: Vec<String> = others.map(op).collect();
-    let (index, others) = (op(index), others.join(" or "));
-    format!(
-        "look at `{axis}`, then rejoin. Has it moved on to the next place: --within {index}; does it stand where it began: \
-         --within {others}. Auto goes on with the operation after that: see whether parts are passed over by it"
-    )
-}
-
-fn place_text(line: &Line, station: StationId, place: StationPlace) -> String {
-    let name = &line.operation((station, place.op)).name;
-    match place.number() {
-        1 => format!("{name} under way"),
-        2 => format!("{name} incomplete"),
-        3 => format!("{name} done"),
-        4 => format!("undoing {name}"),
-        5 => format!("undoing {name} incomplete"),
-        _ => format!("{name} undone"),
-    }
-}
-
-/// The place with where the mechanism is seen to stand, e.g. `decel done: conveyor at 120, LS_decel on`.
-fn stand_text(line: &Line, station: StationId, place: StationPlace) -> String {
-    let text = place_text(line, station, place);
-    if place.stage != MotionStage::Completed {
-        return text;
-    }
-    let described = line.station(station);
-    let way = described.operations[place.op.index()].motion;
-    let to = if place.block == Block::Recovery { way.from } else { way.to };
-    let (signals, _) = image::motion(described, StationPlace { stage: MotionStage::Operating, ..place });
-    let (axis, switch) = (&described.axes[way.axis.index()].name, &described.inputs[signals.complete.index()]);
-    // An endless axis turns by its way: where it stands, its switch tells alone.
-    match described.index_of(place.op) {
-        Some(_) => format!("{text}: {axis} at {switch}"),
-        None => format!("{text}: {axis} at {to}, {switch} on"),
-    }
-}
-
-/// What to look at before an axis is brought by hand to where another station may stand.
+/// What to look at before an axis is brought by hand to where, or past where, another station may stand.
 fn in_the_way_text(line: &Line, conflict: usize, station: StationId) -> String {
     let conflict = &line.conflicts[conflict];
     let other = if conflict.a.station == station { conflict.b.station } else { conflict.a.station };
-    format!("; look first whether {} is in its way there ({})", line.station(other).name, conflict.why)
-}
-
-/// The axes that none of these places has moved, with where they stand: they are confirmed too. Each e.g. `; ram at 0, LS_top on`.
-fn others_text(station: &Station, places: &[StationPlace]) -> String {
-    let Some(place) = places.first() else { return String::new() };
-    let positions = station.positions_before_steps();
-    let has_moved =
-        |axis: usize| places.iter().any(|place| station.operations[place.op.index()].motion.axis.index() == axis);
-    let text = |(axis, &at): (usize, &f64)| {
-        let on = station.switches_at(AxisId::at(axis), at);
-        let names = station.inputs.iter().enumerate().filter(|&(input, _)| on & (1 << input) != 0);
-        let names: Vec<&str> = names.map(|(_, name)| name.as_str()).collect();
-        (!names.is_empty()).then(|| format!("; {} at {at}, {} on", station.axes[axis].name, names.join(" and ")))
-    };
-    // Where they were before the step, they are after it.
-    let others = positions[station.step_of(place.op)].iter().enumerate();
-    let others = others.filter(|&(axis, _)| !has_moved(axis) && station.axes[axis].index.is_none());
-    others.filter_map(text).collect()
+    format!("; look first whether {} is in its way, there or before it ({})", line.station(other).name, conflict.why)
 }
 
 impl PlannedMotion {
@@ -206,10 +146,10 @@ impl RecoveryStep {
             }
             RecoveryAction::Press(station, button) if self.moves.is_empty() => {
                 let places = self.after.iter().flat_map(|after| &after.places);
-                let places: Vec<String> = places.map(|&place| place_text(line, *station, place)).collect();
+                let places: Vec<String> = places.map(|&place| confirm::place_text(line, *station, place)).collect();
                 let (time, button) = (self.hold(line).as_secs_f64(), button.name());
                 format!(
-                    "{}: hold {button} for {time:.1} s: nothing moves, {}{believed}",
+                    "{}: hold {button} for {time:.1} s: it is at the end already, so nothing moves, and the press counts ({}){believed}",
                     name(*station),
                     places.join(" and ")
                 )
@@ -222,35 +162,18 @@ impl RecoveryStep {
                 let moves = self.moves.iter().map(|motion| format!("{} {}", name(motion.station), motion.text(line)));
                 format!("hold resume at the console until {}", moves.collect::<Vec<_>>().join(" and "))
             }
-            RecoveryAction::Rejoin { station, at, or_within, parameters } => {
-                let op = |op: OpId| format!("`{}`", line.operation((*station, op)).name);
-                let stands = match (at, &self.after) {
-                    (RejoinAt::Within(within), _) => {
-                        let all = || std::iter::once(*within).chain(or_within.iter().copied());
-                        let is_index = |of: &OpId| line.station(*station).index_of(*of).is_some();
-                        match all().find(is_index).filter(|_| !or_within.is_empty()) {
-                            Some(index) => index_text(line, *station, index, all().filter(|of| !is_index(of))),
-                            None => {
-                                let all: Vec<String> = all().map(op).collect();
-                                format!("look where it stands, then rejoin --within {}", all.join(" or "))
-                            }
-                        }
-                    }
-                    (RejoinAt::Measured, Some(after)) => {
-                        let places = after.places.iter().map(|&place| stand_text(line, *station, place));
-                        let mut places = places.collect::<Vec<_>>().join(" and ");
-                        places.push_str(&others_text(line.station(*station), &after.places));
-                        let is_index = |place: &StationPlace| line.station(*station).index_of(place.op).is_some();
-                        let unseen = match after.places.iter().any(is_index) {
-                            true => ". Whether it has moved on no switch says: see whether parts are passed over by it",
-                            false => "",
-                        };
-                        format!("look, and if it stands so ({places}): rejoin{unseen}")
-                    }
-                    (RejoinAt::Measured | RejoinAt::Rest(_), _) => "look where it stands, then rejoin".to_owned(),
-                };
-                format!("{}: {stands}{}", name(*station), numbers_text(parameters))
+            RecoveryAction::Rejoin { station, at, or } => confirm::text(line, *station, (at, or)),
+        }
+    }
+
+    /// Where several commands confirm a position: how the station stands in that of each, in the order of
+    /// [`commands`](Self::commands). Empty for other steps.
+    pub fn stands(&self, line: &Line) -> Vec<String> {
+        match &self.action {
+            RecoveryAction::Rejoin { station, or, .. } if !or.is_empty() => {
+                self.action.choices().map(|choice| confirm::stands_text(line, *station, choice)).collect()
             }
+            _ => Vec::new(),
         }
     }
 
@@ -308,55 +231,10 @@ impl RecoveryStep {
             RecoveryAction::Selector(station, manual) => {
                 words(&["press", "LINE", if *manual { "manual" } else { "auto" }, "--station", &name(*station)])
             }
-            RecoveryAction::Rejoin { station, at, or_within, parameters } => {
-                return rejoin_commands(line, *station, (*at, or_within), parameters);
-            }
+            RecoveryAction::Rejoin { station, .. } => return confirm::commands(line, *station, self.action.choices()),
         };
         vec![one]
     }
-}
-
-/// The numbers that are confirmed with a place within a task: they are lost with the journal.
-fn numbers_text(parameters: &[Vec<Parameter>]) -> String {
-    let mut all: Vec<&Parameter> = Vec::new();
-    for parameter in parameters.iter().flatten() {
-        if !all.iter().any(|known| known.name == parameter.name) {
-            all.push(parameter);
-        }
-    }
-    let with: Vec<String> = all.iter().map(|of| format!("--with {}=N (0 to {})", of.name, of.most())).collect();
-    let names: Vec<String> = all.iter().map(|of| format!("`{}`", of.name)).collect();
-    match with.as_slice() {
-        [] => String::new(),
-        with => format!(
-            ", {}. Its {} is lost with its journal: see which one the task was for. Where nobody sees it, take out what the station carries, \
-             then any will do",
-            with.join(" "),
-            names.join(" and ")
-        ),
-    }
-}
-
-/// The confirmations of a place, or of those that the switches fit as well.
-fn rejoin_commands(
-    line: &Line,
-    station: StationId,
-    (at, or_within): (RejoinAt, &[OpId]),
-    parameters: &[Vec<Parameter>],
-) -> Vec<Vec<String>> {
-    let described = line.station(station);
-    let places = std::iter::once(at).chain(or_within.iter().map(|&op| RejoinAt::Within(op)));
-    let command = |(nth, at): (usize, RejoinAt)| {
-        let place = match at {
-            RejoinAt::Measured => None,
-            RejoinAt::Within(op) => Some(("--within", described.operations[op.index()].name.clone())),
-            RejoinAt::Rest(rest) => Some(("--rest", described.rests[rest.index()].name.clone())),
-        };
-        let numbers = parameters.get(nth).into_iter().flatten().map(|of| ("--with", format!("{}=N", of.name)));
-        let named = place.into_iter().chain(numbers).flat_map(|(key, value)| [key.to_owned(), value]);
-        ["rejoin", "LINE", &described.name].map(str::to_owned).into_iter().chain(named).collect()
-    };
-    places.enumerate().map(command).collect()
 }
 
 /// A station that has been led to an end of its task, as a reason for the others of its activity.

@@ -5,9 +5,9 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{InputId, Line, OpId, StationId, Tick};
 use linewright_recovery::{
-    LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, StandingAlarm, plan,
+    InterruptedTask, LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, StandingAlarm, plan,
 };
-use linewright_station_logic::{Controller, NO_DELAY, Restore, StationInput, StationOutbox, StationSnapshot};
+use linewright_station_logic::{Controller, NO_DELAY, RejoinAt, Restore, StationInput, StationOutbox, StationSnapshot};
 
 use crate::cells::{half_way, shipped};
 use crate::holding::reported;
@@ -189,8 +189,7 @@ fn an_alarm_in_auto_is_a_step() {
     let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
     assert!(
         texts.len() == 1
-            && texts[0]
-                .ends_with("Then answer by what is so at the machine now: as-before (not done, part at M1) or gone"),
+            && texts[0].ends_with("Then answer what you find at the machine: as-before (not done, part at M1) or gone"),
         "{texts:#?}"
     );
     assert!(found.has_alarms());
@@ -396,4 +395,45 @@ fn a_number_that_the_journal_has_is_not_asked_for() {
     let (text, commands) = (step.text(&line), step.commands(&line));
     assert!(commands[0].contains(&"grasp for m2".to_owned()), "where it is marked to stand goes first: {commands:?}");
     assert!(!commands[0].contains(&"--with".to_owned()), "{text}: {commands:?}");
+}
+
+/// The choices of a station without its journal could not be told apart, and the slot was asked for that its order has.
+#[test]
+fn places_that_may_be_confirmed_are_told_apart_and_have_the_numbers_of_their_order() {
+    let (line, mut seen) = two_are_left_out(ControlMode::StandBy);
+    seen.alarms.clear();
+    let id = seen.left_out[0];
+    let station = line.station(id);
+    let mut fresh = Controller::new(&line, id, 9, Restore::Fresh).expect("it compiles");
+    let (now, until, under) = (Tick::from_millis(1), Tick::NEVER, NO_DELAY);
+    let bits = seen.stations[id.index()].as_ref().expect("heard").measured;
+    fresh.handle(now, StationInput::Inputs { bits, valid: true, until, under });
+    fresh.step(now, &mut StationOutbox::default());
+    seen.stations[id.index()] = Some(fresh.report());
+    let confirm = |seen: &LineSituation| {
+        let steps = plan(&line, seen).steps;
+        steps.into_iter().find(|step| step.action.choices().next().is_some()).expect("a confirmation")
+    };
+    let before = confirm(&seen);
+    let (stands, commands) = (before.stands(&line), before.commands(&line));
+    assert!(commands.len() > 1 && stands.len() == commands.len(), "{commands:?}: {stands:#?}");
+    let axes = |text: &String| station.axes.iter().all(|axis| text.contains(&format!("{} ", axis.name)));
+    assert!(stands.iter().all(|text| axes(text) && text.contains(" on")), "{stands:#?}");
+    let mut apart = stands.clone();
+    apart.sort();
+    apart.dedup();
+    assert_eq!(apart.len(), stands.len(), "{stands:#?}");
+    // The coordinator has an order for the task of the choice that was named last.
+    let last = before.action.choices().last().expect("several");
+    let RejoinAt::Within(op) = last.at else { panic!("{last:?}") };
+    let task = station.task_of(op).expect("a task");
+    let numbers = station.task(task).parameters.iter().map(|of| (of.name.clone(), 2)).collect();
+    seen.interrupted = vec![InterruptedTask { station: id, task, activity: "`load M2` of part 7".to_owned(), numbers }];
+    let step = confirm(&seen);
+    let first = step.action.choices().next().and_then(|choice| choice.places.first().copied()).expect("a place");
+    assert_eq!(station.task_of(first.op), Some(task), "a place of that task goes first");
+    let (text, stands, commands) = (step.text(&line), step.stands(&line), step.commands(&line));
+    assert!(commands[0].ends_with(&["--with".to_owned(), "slot=2".to_owned()]), "{commands:?}");
+    assert!(stands.is_empty() || stands[0].contains("an order of this task, for `load M2` of part 7"), "{stands:#?}");
+    assert!(text.contains("slot=2 by its order for `load M2` of part 7"), "{text}");
 }

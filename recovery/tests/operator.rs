@@ -85,8 +85,8 @@ pub fn follow(sim: &mut LineSim, step: &RecoveryStep) {
         }
         RecoveryAction::Selector(station, manual) => act(sim, OperatorAction::Selector(*station, *manual)),
         RecoveryAction::Rejoin { station, at, .. } => {
-            let within = match at {
-                RejoinAt::Within(op) => Some(*op),
+            let within = match at.at {
+                RejoinAt::Within(op) => Some(op),
                 RejoinAt::Measured | RejoinAt::Rest(_) => None,
             };
             act(sim, OperatorAction::Rejoin(*station, within));

@@ -6,7 +6,7 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, MotionStage, StationPlace};
 use linewright_line::{Line, StationId};
 use linewright_plant::MotionFault;
-use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryStep, StationAfter, plan};
+use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryStep, RejoinChoice, plan};
 use linewright_simulation::{LineSim, MotionSelection, NodeProcess, OperatorAction};
 use linewright_station_logic::{RejoinAt, StopCause};
 use linewright_testkit::built::transfer_line;
@@ -335,11 +335,10 @@ fn a_station_that_is_to_be_confirmed_is_named_with_where_it_stands() {
     let line = transfer_line();
     let (station, op) = op(&line, 1, "advance clamp");
     let place = StationPlace { stage: MotionStage::Completed, ..StationPlace::operating(op) };
-    let after = StationAfter { station, places: vec![place], at_home: false, is_in_order: true };
-    let action =
-        RecoveryAction::Rejoin { station, at: RejoinAt::Measured, or_within: Vec::new(), parameters: Vec::new() };
-    let step =
-        RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: Some(after), is_doubtful: false };
+    let on = line.station(station).rest_inputs(place);
+    let at = RejoinChoice { at: RejoinAt::Measured, places: vec![place], on, numbers: Vec::new(), activity: None };
+    let action = RecoveryAction::Rejoin { station, at, or: Vec::new() };
+    let step = RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: None, is_doubtful: false };
     let expected = "clamp_1: look, and if it stands so (advance clamp done: stroke at 60, LS_closed on): rejoin";
     assert_eq!(step.text(&line), expected);
 }
@@ -385,6 +384,12 @@ fn two_axes_between_switches_are_put_onto_them_by_hand() {
     assert_eq!(by_hand, 1, "the other axis is led on then: {texts:#?}");
     let slide = "mill_1: bring `positioning_slide` by hand, with its drive off, onto LS_positioning_0";
     assert!(texts[0].starts_with(slide) && !texts[0].contains("in its way"), "{texts:#?}");
+    // The way back to where it meets nothing leads past where it may: with the clamp's switches not read, a person looks first.
+    let mut unread = seen.clone();
+    unread.stations[1].as_mut().expect("it is heard").devices_valid = false;
+    let by_hand = plan(&line, &unread).steps.into_iter().map(|step| step.text(&line));
+    let by_hand = by_hand.filter(|text| text.contains("`positioning_slide` by hand")).collect::<Vec<_>>().concat();
+    assert!(by_hand.contains("look first whether clamp_1 is in its way, there or before it"), "{by_hand}");
     // Where clamp 1 is not measured closed, the slide may meet it anywhere but at home.
     let need = Need::Axis {
         station: id,
@@ -394,7 +399,6 @@ fn two_axes_between_switches_are_put_onto_them_by_hand() {
     };
     let action = RecoveryAction::First(need);
     let step = RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: None, is_doubtful: false };
-    let look =
-        "; look first whether clamp_1 is in its way there (the tool of mill 1 is forward while clamp 1 is not closed)";
+    let look = "; look first whether clamp_1 is in its way, there or before it (the tool of mill 1 is forward while clamp 1 is not closed)";
     assert!(step.text(&line).ends_with(look), "{}", step.text(&line));
 }

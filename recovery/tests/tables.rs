@@ -5,7 +5,8 @@ use std::time::Duration;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{AxisId, Device, Line, OpId, Owner, StationId, Tick, parse};
 use linewright_recovery::{
-    LineSituation, PanelButton, PlannedMotion, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, plan,
+    LineSituation, PanelButton, PlannedMotion, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, RejoinChoice,
+    plan,
 };
 use linewright_station_logic::{
     Controller, NO_DELAY, RejoinAt, Restore, StationInput, StationOutbox, StationReport, StationSnapshot,
@@ -53,12 +54,14 @@ fn how_to_tell_an_index_that_is_done_from_one_that_has_not_begun_is_in_the_step(
     let before = line.station(station).operation_named("unlock").expect("it has it now");
     let name = |op: OpId| line.operation((station, op)).name.as_str();
     for (within, other) in [(op, before), (before, op)] {
-        let action = RecoveryAction::Rejoin {
-            station,
-            at: RejoinAt::Within(within),
-            or_within: vec![other],
-            parameters: Vec::new(),
-        };
+        let [at, other] = [within, other].map(|op| RejoinChoice {
+            at: RejoinAt::Within(op),
+            places: vec![StationPlace::completed(op)],
+            on: 0,
+            numbers: Vec::new(),
+            activity: None,
+        });
+        let action = RecoveryAction::Rejoin { station, at, or: vec![other] };
         let said = text(&line, action, Vec::new());
         let moved = format!("moved on to the next place: --within `{}`", name(op));
         let began = format!("where it began: --within `{}`", name(before));

@@ -89,6 +89,8 @@ struct StepJson {
     arguments: Option<Vec<String>>,
     /// Of several commands the arguments of each; one is given, by what is so at the machine.
     choices: Vec<Vec<String>>,
+    /// For a position of which one of several is confirmed: how the station stands in each, in the order of `choices`.
+    stands: Vec<String>,
     /// For a step that answers an alarm: each permitted answer with its meaning and verdict, in the order of `choices`.
     answers: Vec<AnswerJson>,
 }
@@ -168,6 +170,7 @@ impl StepJson {
             at_home: step.after.as_ref().map(|after| after.at_home),
             arguments,
             choices: commands,
+            stands: step.stands(line),
             answers: match &step.action {
                 RecoveryAction::First(Need::Answer(alarm)) => alarm.answers.iter().map(AnswerJson::from).collect(),
                 _ => Vec::new(),

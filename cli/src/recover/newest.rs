@@ -10,10 +10,10 @@ use linewright_coordinator_cell::texts::recovery;
 use linewright_coordinator_logic::ModeStanding;
 use linewright_line::{Line, StationId};
 use linewright_msgs::{ActivityState, AlarmState, CellState, LineState};
-use linewright_node_line::{mode_from_code, report_from_message};
+use linewright_node_line::{Confirmation, mode_from_code, report_from_message};
 use linewright_recovery::{
-    ActivityEnd, DecidedEnd, EndsReached, LineSituation, PanelButton, RecoveryAction, RecoveryEnd, RecoveryPlan,
-    StandingAlarm, plan,
+    ActivityEnd, DecidedEnd, EndsReached, InterruptedTask, LineSituation, PanelButton, RecoveryAction, RecoveryEnd,
+    RecoveryPlan, StandingAlarm, plan,
 };
 
 use super::next_of;
@@ -158,7 +158,10 @@ fn situation_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<L
     let mut situation = LineSituation::read(line, mode, state.enabled, standing(line, state), stations);
     situation.misfit = client.other_station();
     match cell.map(CellClient::heard_lately) {
-        Some(Some(cell)) => (situation.alarms, situation.unsettled) = (alarms(line, cell), unsettled(cell)),
+        Some(Some(cell)) => {
+            (situation.alarms, situation.unsettled) = (alarms(line, cell), unsettled(cell));
+            situation.interrupted = interrupted(line, cell);
+        }
         // What has failed is not known, nor which of its stations belong together.
         Some(None) => situation.unsettled = vec!["the state of the cell is not received".to_owned()],
         None => {}
@@ -208,6 +211,25 @@ fn unsettled(cell: &CellState) -> Vec<String> {
     failed.map(|of| format!("`{}` of part {} {}", of.name, of.part, of.text)).collect()
 }
 
+/// The orders that stations are or were at.
+fn interrupted(line: &Line, cell: &CellState) -> Vec<InterruptedTask> {
+    let activities = cell.activities.as_slice().iter();
+    let orders =
+        activities.flat_map(|of| of.stations.iter().zip(&of.tasks).zip(&of.numbers).map(move |order| (of, order)));
+    let task = |(of, ((station, task), numbers)): (&ActivityState, ((&String, &String), &String))| {
+        let station = line.station_named(station)?;
+        let task = line.station(station).task_ids().find(|id| line.station(station).task(*id).name == *task)?;
+        let numbers = numbers.lines().map(|text| Confirmation::number(text).ok());
+        let numbers = numbers.map(|of| of.map(|(name, number)| (name.to_string(), number))).collect::<Option<_>>()?;
+        let activity = match of.part {
+            0 => format!("`{}`", of.name),
+            part => format!("`{}` of part {part}", of.name),
+        };
+        Some(InterruptedTask { station, task, activity, numbers })
+    };
+    orders.filter_map(task).collect()
+}
+
 /// A code that is not known is no decision.
 fn led_to(code: u8) -> Option<ActivityEnd> {
     match code {
@@ -246,5 +268,26 @@ mod tests {
         assert_eq!(unsettled(&cell(vec![waiting(31), securing()], &[3, 31])), [text]);
         assert_eq!(unsettled(&cell(vec![waiting(31)], &[1])).len(), 1);
         assert!(unsettled(&cell(vec![waiting(31), activity(2, true, None)], &[31])).is_empty());
+    }
+
+    #[test]
+    fn an_order_of_an_activity_has_the_numbers_of_its_task() {
+        let text = include_str!("../../../launch-config/lines/workcell-c1/line.toml");
+        let line = linewright_line::parse("line.toml", text).expect("it is sound").line;
+        let robot = line.station_named("robot").expect("a station");
+        let texts = |of: [&str; 2]| of.map(str::to_owned).to_vec();
+        let load = ActivityState {
+            name: "load M1".to_owned(),
+            part: 7,
+            stations: texts(["robot", "m1"]),
+            tasks: texts(["load m1", "none of its tasks"]),
+            numbers: texts(["slot=2", ""]),
+            ..ActivityState::default()
+        };
+        let cell = CellState { activities: Bounded::new(vec![load]).expect("few"), ..CellState::default() };
+        let [of] = &interrupted(&line, &cell)[..] else { panic!("one of them is known") };
+        let task = line.station(robot).task(of.task).name.as_str();
+        assert_eq!((of.station, task, of.activity.as_str()), (robot, "load m1", "`load M1` of part 7"));
+        assert_eq!(of.numbers, [("slot".to_owned(), 2)]);
     }
 }

@@ -58,19 +58,15 @@ impl Session {
     }
 }
 
-/// The conflicts that the observer of the frames cannot see, and what decides them; none if it sees all.
+/// How many conflicts the observer of the frames cannot see, and where they are listed; none if it sees all. Which they are is in `--json`.
 fn unobserved(conflicts: &[String], line: &str) -> Option<String> {
-    if conflicts.is_empty() {
-        return None;
-    }
-    let (number, it) = if conflicts.len() == 1 {
-        ("1 conflict".to_owned(), "it")
-    } else {
-        (format!("{} conflicts", conflicts.len()), "they")
+    let number = match conflicts.len() {
+        0 => return None,
+        1 => "1 conflict".to_owned(),
+        more => format!("{more} conflicts"),
     };
     Some(format!(
-        "{number} cannot be seen in CAN frames: {}\nwhether {it} can be reached at all: `linewright check {}`",
-        conflicts.join("; "),
+        "{number} cannot be seen in CAN frames: `linewright check {}` decides about all; `run --json` names them",
         crate::out::shell_word(line)
     ))
 }
@@ -103,11 +99,10 @@ mod tests {
     fn a_conflict_that_the_frames_do_not_show_is_left_to_check() {
         assert_eq!(unobserved(&[], "line"), None);
         let one = unobserved(&["a against b: they meet".to_owned()], "my line").expect("one is not seen");
-        let text = "1 conflict cannot be seen in CAN frames: a against b: they meet\n\
-                    whether it can be reached at all: `linewright check \"my line\"`";
+        let text = "1 conflict cannot be seen in CAN frames: `linewright check \"my line\"` decides about all; `run --json` names them";
         assert_eq!(one, text);
         let two = unobserved(&["a".to_owned(), "b".to_owned()], "line").expect("two are not seen");
-        assert!(two.starts_with("2 conflicts cannot be seen in CAN frames: a; b\nwhether they"), "{two}");
+        assert!(two.starts_with("2 conflicts cannot be seen in CAN frames: `linewright check line`"), "{two}");
     }
 
     #[test]

@@ -254,6 +254,7 @@ mod tests {
             began: at(12),
             running: false,
             text: "failed, waits for an answer to alarm 4".into(),
+            ..ActivityState::default()
         };
         let alarm = AlarmState {
             id: 4,

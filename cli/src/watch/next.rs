@@ -92,7 +92,7 @@ impl WatchState {
 #[cfg(test)]
 mod tests {
     use linewright_line::net::ControlMode;
-    use linewright_recovery::RecoveryStep;
+    use linewright_recovery::{RecoveryStep, RejoinChoice};
     use linewright_station_logic::RejoinAt;
 
     use super::*;
@@ -106,9 +106,14 @@ mod tests {
         let confirm = RecoveryStep {
             action: RecoveryAction::Rejoin {
                 station: second,
-                at: RejoinAt::Measured,
-                or_within: Vec::new(),
-                parameters: Vec::new(),
+                at: RejoinChoice {
+                    at: RejoinAt::Measured,
+                    places: Vec::new(),
+                    on: 0,
+                    numbers: Vec::new(),
+                    activity: None,
+                },
+                or: Vec::new(),
             },
             moves: Vec::new(),
             is_doubtful: false,
@@ -127,7 +132,7 @@ mod tests {
         let waits = |next: &NextStep, id| next.shown(id, &asks).blocked_by.to_vec();
         let next = NextStep::of(&line, &plan(vec![confirm.clone()], RecoveryEnd::Auto)).expect("a step");
         assert_eq!((waits(&next, first), waits(&next, second)), (vec![NOT_YET.to_owned()], asks.blocked_by.to_vec()));
-        assert!(next.line().starts_with(&format!("next: {}: look where it stands", line.station(second).name)));
+        assert!(next.line().starts_with(&format!("next: {}: look, and if", line.station(second).name)));
         let no_way = RecoveryEnd::NoWay { reasons: Vec::new(), is_certain: true };
         let next = NextStep::of(&line, &plan(vec![confirm], no_way)).expect("what is done by hand");
         assert_eq!((waits(&next, first), waits(&next, second)), (vec![NOT_YET.to_owned()], vec![NOT_YET.to_owned()]));

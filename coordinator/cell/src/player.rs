@@ -39,7 +39,6 @@ use super::orders::{
     CellEvent, CellMessage, OrderMessage, PlayerInput, PlayerOutbox, ProductionCommand, ProductionCommandError,
     Sending, TaskOutcome, TaskReply, TaskReport,
 };
-use super::plan::TaskParameterValue;
 use super::production::ProductionChange;
 use super::protocol::ProtocolRules;
 use super::question::{Candidate, DispatchDecision, Dispatcher, HoldReason, Question, check, pose};
@@ -476,23 +475,14 @@ impl Coordination {
     }
 
     fn message(&self, now: Tick, key: OrderKey) -> Option<OrderMessage> {
-        let &(_, position) = self.state.orders.get(&key)?;
         let (firing, order) = self.state.order(key)?;
-        let template = self.state.table.activity(firing.mode).orders.get(position)?;
-        let part = firing.part.and_then(|part| self.state.part(part));
-        let value = |value: &TaskParameterValue| match *value {
-            TaskParameterValue::Number(number) => Some(number),
-            TaskParameterValue::Source => i32::try_from(part?.position?).ok(),
-            TaskParameterValue::Target => i32::try_from(part?.target?).ok(),
-        };
-        // The table has values that can be known alone. Should one not be, then nothing is sent rather than a wrong place,
-        // and the order runs out of time.
-        let parameters = template.parameters.iter().map(|(name, of)| Some((name.clone(), value(of)?)));
+        // Without its numbers nothing is sent, and the order runs out of time.
+        let (task, parameters) = self.state.ordered_task(key)?;
         let task = TaskOrder {
             key,
             memory: *self.state.memory.get(&order.station)?,
-            task: template.task.clone(),
-            parameters: parameters.collect::<Option<_>>()?,
+            task: task.clone(),
+            parameters,
             limit: order.limit.max(firing.spared_until).since(now),
         };
         Some(OrderMessage { station: order.station, part: firing.part, order: task })

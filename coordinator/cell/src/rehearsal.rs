@@ -77,7 +77,16 @@ impl Coordination {
             }
             _ => None,
         };
-        let found = steps.into_iter().find_map(verdict);
+        let steps: Vec<&ExceptionStep> = steps.collect();
+        // A part that is given up where its resource is not counted on yet.
+        let given_up = |step: &&ExceptionStep| match **step {
+            ExceptionStep::Missing { resource, .. } if AlarmSubject::Resource(resource) == about => {
+                let is_seen = self.silent(about, reports).is_empty() && self.presence(resource).is_known();
+                Some(AnswerVerdict::Taken { unseen: (!is_seen).then_some(resource).into_iter().collect() })
+            }
+            _ => None,
+        };
+        let found = steps.iter().copied().find_map(verdict).or_else(|| steps.iter().find_map(given_up));
         found.unwrap_or_else(|| AnswerVerdict::Open { silent: self.silent(about, reports) })
     }
 

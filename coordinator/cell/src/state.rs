@@ -18,13 +18,16 @@ use super::exception::Exceptions;
 use super::firing::OngoingActivity;
 use super::ids::{CellId, FiringId, ModeId, OrderKey, PartId};
 use super::marking::CellMarking;
-use super::plan::{CellKind, PartPick};
+use super::plan::{CellKind, PartPick, TaskParameterValue};
 use super::positions::Positions;
 use super::production::Production;
 use super::reason::HoldReason;
 use super::record::Record;
 use super::serial;
 use super::table::CellTable;
+
+/// The name of a task, and the numbers of its parameters.
+type OrderedTask<'s> = (&'s Arc<str>, Vec<(Arc<str>, i32)>);
 
 /// A part in the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -299,6 +302,22 @@ impl PlayerState {
         let &(firing, at) = self.orders.get(&key)?;
         let firing = self.firings.get(&firing)?;
         Some((firing, firing.orders.get(at)?))
+    }
+
+    /// The task of that order, and the numbers of its parameters; none if its activity is not in progress, or a number is not known.
+    pub fn ordered_task(&self, key: OrderKey) -> Option<OrderedTask<'_>> {
+        let &(_, at) = self.orders.get(&key)?;
+        let (firing, _) = self.order(key)?;
+        let template = self.table.activity(firing.mode).orders.get(at)?;
+        let part = firing.part.and_then(|part| self.part(part));
+        let value = |value: &TaskParameterValue| match *value {
+            TaskParameterValue::Number(number) => Some(number),
+            TaskParameterValue::Source => i32::try_from(part?.position?).ok(),
+            TaskParameterValue::Target => i32::try_from(part?.target?).ok(),
+        };
+        // The table has values that can be known alone. Should one not be, then no number is given rather than a wrong place.
+        let numbers = template.parameters.iter().map(|(name, of)| Some((name.clone(), value(of)?)));
+        Some((&template.task, numbers.collect::<Option<_>>()?))
     }
 }
 

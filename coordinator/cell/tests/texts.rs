@@ -169,9 +169,13 @@ fn standings() -> Vec<StationStanding> {
 
 type Way = (&'static str, &'static str, bool);
 
-fn wrong_rest(has_part: bool, way: Option<Way>, back: Option<(&'static str, &'static str)>) -> AlarmText<'static> {
+fn wrong_rest(has_part: bool) -> AlarmText<'static> {
     let (resource, station, stands, wanted, next) = ("M1", "m1", "clamped", "open", "load M1");
-    AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way, back, too: &[] }
+    AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, bring: "Bring m1 to \"open\": …." }
+}
+
+fn bring(way: Option<Way>, back: Option<(&'static str, &'static str)>) -> AlarmText<'static> {
+    AlarmText::Bring { station: "m1", wanted: "open", way, back, too: &[] }
 }
 
 static BOTH: std::sync::LazyLock<[String; 2]> = std::sync::LazyLock::new(|| ["robot", "m1"].map(str::to_owned));
@@ -200,10 +204,11 @@ fn alarms() -> Vec<AlarmText<'static>> {
         AlarmText::AtBeginning { .. } => AlarmText::AtBeginning { station: "m1" };
         AlarmText::OnlyDone => AlarmText::OnlyDone;
         AlarmText::OnlyBefore => AlarmText::OnlyBefore;
-        AlarmText::WrongRest { .. } => wrong_rest(false, Some(("PB_clear_1", "clear", false)), None),
-            wrong_rest(true, Some(("PB_load_1", "clamp", true)), None),
-            wrong_rest(false, Some(("PB_unload_1", "release", true)), Some(("PB_back_1", "clamp"))),
-            wrong_rest(false, None, Some(("PB_back_1", "clamp"))), wrong_rest(false, None, None);
+        AlarmText::WrongRest { .. } => wrong_rest(false), wrong_rest(true);
+        AlarmText::Bring { .. } => bring(Some(("PB_clear_1", "clear", false)), None),
+            bring(Some(("PB_load_1", "clamp", true)), None),
+            bring(Some(("PB_unload_1", "release", true)), Some(("PB_back_1", "clamp"))),
+            bring(None, Some(("PB_back_1", "clamp"))), bring(None, None);
         AlarmText::Facts { .. } => AlarmText::Facts { activity, cause: "m1: time limit exceeded", seconds: 26.0 };
         AlarmText::Contradicted { .. } => AlarmText::Contradicted { word: "in-machine", found };
         AlarmText::Moved { .. } => AlarmText::Moved { station: "robot", word: "as-before" };
@@ -215,8 +220,10 @@ fn alarms() -> Vec<AlarmText<'static>> {
             AlarmText::LeftWaiting { station: "lathe", inputs: None, code: 12 };
         AlarmText::Agrees { .. } => AlarmText::Agrees { resource: "M1" };
         AlarmText::Carried => AlarmText::Carried;
-        AlarmText::Mismatch { .. } => AlarmText::Mismatch { found, missing: None },
-            AlarmText::Mismatch { found, missing: Some(NAMED) };
+        AlarmText::Mismatch { .. } => AlarmText::Mismatch { found, missing: None, bring: None },
+            AlarmText::Mismatch { found, missing: Some(NAMED), bring: None },
+            AlarmText::Mismatch { found, missing: None, bring: Some("Bring m1 to \"open\": ….") };
+        AlarmText::GivenUp { .. } => AlarmText::GivenUp { resource: "M1", why: "m1: no state received" };
         AlarmText::MovesToo { .. } => AlarmText::MovesToo { button: "PB_load_1", station: "robot" };
         AlarmText::PartMissing { .. } => AlarmText::PartMissing { resource: "M1" };
         AlarmText::PartUnexpected { .. } => AlarmText::PartUnexpected { resource: "M1" };

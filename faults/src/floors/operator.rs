@@ -166,9 +166,9 @@ impl FloorWorld {
                 let (station, turned) = (*station, PanelCommand::Selector(*manual));
                 self.floor_mut().press(station, turned);
             }
-            RecoveryAction::Rejoin { station, at, or_within, .. } => {
-                let seen = self.stood_in.get(station).filter(|op| or_within.contains(op));
-                let at = seen.map_or(*at, |op| RejoinAt::Within(*op));
+            RecoveryAction::Rejoin { station, at, or } => {
+                let seen = self.stood_in.get(station).map(|op| RejoinAt::Within(*op));
+                let at = seen.filter(|seen| or.iter().any(|of| of.at == *seen)).unwrap_or(at.at);
                 self.floor_mut().rejoin(*station, at);
             }
         }

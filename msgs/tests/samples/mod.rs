@@ -244,6 +244,9 @@ pub fn cell_state() -> CellState {
         began: at(),
         running: false,
         text: "waits for alarm 4".into(),
+        stations: vec!["robot".into(), "m1".into()],
+        tasks: vec!["put down".into(), "clamp".into()],
+        numbers: vec!["slot=2\nside=1".into(), String::new()],
     };
     let order = ProductionState {
         id: 2,

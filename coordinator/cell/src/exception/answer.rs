@@ -10,6 +10,7 @@ use super::super::record::{ActivityFailure, RecordKind};
 use super::fact::{AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, Whereabouts};
 use super::request::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
 use crate::texts::alarm;
+use crate::texts::resource as resource_texts;
 
 impl Coordination {
     /// Takes an answer, unless the stations' states contradict it.
@@ -169,31 +170,47 @@ impl Coordination {
             return Err(AlarmAnswerRefusal::Open(resource));
         }
         let (mode, part) = self.state.resting(resource).ok_or(AlarmAnswerRefusal::NoSuchWord)?;
-        if self.presence(resource) == Presence::On {
+        let station = self.state.table().handling().resource(resource).and_then(|of| of.station);
+        // What a station reported that is not heard any more may be so no longer.
+        let is_heard = station.is_some_and(|station| self.fresh(now, station).is_some());
+        if is_heard && self.presence(resource) == Presence::On {
             return Err(AlarmAnswerRefusal::HasPart(resource));
         }
         // What is refused is not done in part.
-        self.may_be_up(now, resource)?;
+        self.is_settled(resource)?;
         self.except(now, ExceptionStep::Missing { resource, mode, part }, out);
-        // The answer is taken; what is left to be done has an alarm of its own.
+        // The answer is taken; what is left to be done has an alarm of its own. The resource stays out of service: with its station away, or
+        // between two rests, nothing begins there, and its sensor is compared when it is counted on again.
+        if let Some(why) = station.and_then(|station| self.obstacle(now, station)) {
+            let text = resource_texts::given_up(&self.state, resource, why);
+            self.alarm_of_resource(now, resource, text, vec![alarm::UP.to_owned()], out);
+            return Ok(());
+        }
         if self.stands_wrong(now, resource, out) {
             return Ok(());
         }
         self.try_up(now, resource, out)
     }
 
-    /// Whether its station can work, and nothing of it waits for an answer.
-    fn may_be_up(&self, now: Tick, resource: ResourceId) -> Result<(), AlarmAnswerRefusal> {
-        let of = self.state.table().handling().resource(resource).ok_or(AlarmAnswerRefusal::NoSuchResource)?;
+    /// Whether it is out of service, and nothing of it waits for an answer.
+    fn is_settled(&self, resource: ResourceId) -> Result<(), AlarmAnswerRefusal> {
+        self.state.table().handling().resource(resource).ok_or(AlarmAnswerRefusal::NoSuchResource)?;
         if self.state.exceptions().is_down(resource).is_none() {
             return Err(AlarmAnswerRefusal::AlreadySo);
         }
         let is_its = |firing: &OngoingActivity| self.state.concerns(firing, resource);
         let is_open = |(id, _)| self.state.firing(id).is_some_and(is_its);
-        if self.state.exceptions().open().any(is_open) {
-            return Err(AlarmAnswerRefusal::Open(resource));
+        match self.state.exceptions().open().any(is_open) {
+            true => Err(AlarmAnswerRefusal::Open(resource)),
+            false => Ok(()),
         }
-        of.station.and_then(|station| self.obstacle(now, station)).map_or(Ok(()), Err)
+    }
+
+    /// Whether its station can work, and nothing of it waits for an answer.
+    fn may_be_up(&self, now: Tick, resource: ResourceId) -> Result<(), AlarmAnswerRefusal> {
+        self.is_settled(resource)?;
+        let station = self.state.table().handling().resource(resource).and_then(|of| of.station);
+        station.and_then(|station| self.obstacle(now, station)).map_or(Ok(()), Err)
     }
 
     /// A resource is up if it may be, and its sensor agrees.

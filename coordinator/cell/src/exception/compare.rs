@@ -6,7 +6,7 @@
 use linewright_line::Tick;
 
 use super::super::firing::OngoingActivity;
-use super::super::ids::{AlarmId, CellId, FiringId, ResourceId};
+use super::super::ids::{CellId, FiringId, ResourceId};
 use super::super::orders::PlayerOutbox;
 use super::super::player::Coordination;
 use super::fact::{AlarmSubject, ExceptionStep, OutOfServiceReason, RecoveryDecision, SensorMismatch, Whereabouts};
@@ -14,6 +14,7 @@ use super::request::Presence;
 use super::watch::PendingComparison;
 use crate::record::RecordKind;
 use crate::texts::alarm;
+use crate::texts::resource as resource_texts;
 
 /// Result of comparing sensors with an answer.
 pub(super) enum SensorVerdict {
@@ -171,10 +172,8 @@ impl Coordination {
             self.leave_out(now, resource, OutOfServiceReason::Mismatch, out);
         }
         let missing = self.state.resting(resource).map(|(_, part)| part).filter(|_| found.model);
-        let text = alarm::mismatch(&self.state, &found, missing);
-        let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
+        let text = resource_texts::mismatch(&self.state, &found, missing, None);
         let words = [alarm::UP].into_iter().chain(missing.map(|_| alarm::GONE)).map(str::to_owned).collect();
-        let about = AlarmSubject::Resource(resource);
-        self.except(now, ExceptionStep::Alarmed { alarm, about, text, words, finding: None }, out);
+        self.alarm_of_resource(now, resource, text, words, out);
     }
 }

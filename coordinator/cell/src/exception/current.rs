@@ -11,10 +11,12 @@ use super::direction::StationsToLead;
 use super::fact::{AlarmSubject, OutOfServiceReason, SecuredState, SensorMismatch};
 use super::standing::WrongRest;
 use crate::texts::alarm::{self, AlarmText, StationStanding};
+use crate::texts::resource as resource_texts;
 
 /// Present finding about a resource that is left out by rule.
 enum ResourceFinding {
-    Mismatch(SensorMismatch),
+    /// With the rest that its station has to be brought to first, where it is closed on a part that the model has not.
+    Mismatch(SensorMismatch, Option<WrongRest>),
     WrongRest(WrongRest),
     Nothing,
 }
@@ -74,8 +76,10 @@ impl Coordination {
     pub fn alarm_brings(&self, now: Tick, of: &Alarm) -> Option<(StationId, RestId)> {
         let AlarmSubject::Resource(resource) = of.about else { return None };
         match self.found_now(now, resource)? {
-            ResourceFinding::WrongRest(found) => Some((found.station, found.wanted)),
-            ResourceFinding::Mismatch(_) | ResourceFinding::Nothing => None,
+            ResourceFinding::WrongRest(found) | ResourceFinding::Mismatch(_, Some(found)) => {
+                Some((found.station, found.wanted))
+            }
+            ResourceFinding::Mismatch(_, None) | ResourceFinding::Nothing => None,
         }
     }
 
@@ -87,12 +91,12 @@ impl Coordination {
                 Some(alarm::again(finding, &alarm::alarm(self, firing, cause, now)))
             }),
             AlarmSubject::Resource(resource) => self.found_now(now, resource).map(|found| match found {
-                ResourceFinding::Mismatch(found) => {
+                ResourceFinding::Mismatch(found, first) => {
                     let can_be_gone = found.model && of.words.iter().any(|word| word == alarm::GONE);
                     let missing = self.state().resting(resource).map(|(_, part)| part).filter(|_| can_be_gone);
-                    alarm::mismatch(self.state(), &found, missing)
+                    resource_texts::mismatch(self.state(), &found, missing, first.as_ref())
                 }
-                ResourceFinding::WrongRest(found) => alarm::wrong_rest(self.state(), &found),
+                ResourceFinding::WrongRest(found) => resource_texts::wrong_rest(self.state(), &found),
                 ResourceFinding::Nothing => {
                     AlarmText::Agrees { resource: self.state().table().handling().resource_name(resource) }.text()
                 }
@@ -106,7 +110,7 @@ impl Coordination {
         let down = self.state().exceptions().is_down(resource)?;
         let is_by_itself = [OutOfServiceReason::Mismatch, OutOfServiceReason::Rest].contains(&down.why);
         Some(match self.found_now(now, resource).filter(|_| is_by_itself) {
-            Some(ResourceFinding::Mismatch(_)) => OutOfServiceReason::Mismatch.text(""),
+            Some(ResourceFinding::Mismatch(..)) => OutOfServiceReason::Mismatch.text(""),
             Some(ResourceFinding::WrongRest(_)) => OutOfServiceReason::Rest.text(""),
             Some(ResourceFinding::Nothing) | None => down.why.text(&down.activity),
         })
@@ -120,7 +124,8 @@ impl Coordination {
         let station = of.station?;
         let received = self.fresh(now, station).filter(|_| !self.is_in_use(resource, None))?;
         if let Some(found) = self.difference(resource) {
-            return Some(ResourceFinding::Mismatch(found));
+            let first = self.wrong_rest(resource).filter(|_| !found.model);
+            return Some(ResourceFinding::Mismatch(found, first));
         }
         if let Some(found) = self.wrong_rest(resource) {
             return Some(ResourceFinding::WrongRest(found));

@@ -10,8 +10,10 @@ use linewright_line::{RestId, StationId, Tick};
 use super::super::ids::{AlarmId, ModeId, ResourceId};
 use super::super::orders::PlayerOutbox;
 use super::super::player::Coordination;
+use super::book::Alarm;
 use super::fact::{AlarmSubject, ExceptionStep, OutOfServiceReason};
 use crate::texts::alarm;
+use crate::texts::resource as resource_texts;
 
 /// A station that stands at another rest than the model has it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,14 +67,25 @@ impl Coordination {
         if self.state.exceptions().is_down(resource).is_none() {
             self.leave_out(now, resource, OutOfServiceReason::Rest, out);
         }
+        let text = resource_texts::wrong_rest(&self.state, &found);
+        self.alarm_of_resource(now, resource, text, vec![alarm::UP.to_owned()], out);
+        true
+    }
+
+    /// Raises an alarm of a resource. One that stands with the same text and answers keeps its number.
+    pub(super) fn alarm_of_resource(
+        &mut self,
+        now: Tick,
+        resource: ResourceId,
+        text: String,
+        words: Vec<String>,
+        out: &mut PlayerOutbox,
+    ) {
         let about = AlarmSubject::Resource(resource);
-        let text = alarm::wrong_rest(&self.state, &found);
-        let stands = self.state.exceptions().alarms().any(|alarm| alarm.about == about && alarm.text == text);
-        if !stands {
+        let is_same = |alarm: &Alarm| alarm.about == about && alarm.text == text && alarm.words == words;
+        if !self.state.exceptions().alarms().any(is_same) {
             let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
-            let words = vec![alarm::UP.to_owned()];
             self.except(now, ExceptionStep::Alarmed { alarm, about, text, words, finding: None }, out);
         }
-        true
     }
 }

@@ -2,18 +2,19 @@
 
 use std::fmt::Write;
 
-use linewright_line::{RestId, StationId, Tick};
+use linewright_line::{StationId, Tick};
 use linewright_orders::TaskFailure;
 
 use crate::exception::{
     Alarm, AlarmSubject, LeadDirection, LeadReason, RecoveryDecision, RecoveryPolicy, SensorMismatch, StationsToLead,
-    Strategy, Whereabouts, WrongRest,
+    Strategy, Whereabouts,
 };
 use crate::firing::{OngoingActivity, OngoingOrder, OrderProgress};
 use crate::ids::{ModeId, PartId, ResourceId};
 use crate::player::Coordination;
 use crate::record::{ActivityFailure, OrderFailure};
 use crate::state::PlayerState;
+use crate::texts::resource::difference;
 
 /// The answer that a resource is as the model has it.
 pub(crate) const UP: &str = "up";
@@ -258,43 +259,6 @@ pub(crate) fn carried(state: &PlayerState, mode: ModeId, of: Option<PartId>) -> 
     filled(&AlarmText::Carried.text(), state, mode, of)
 }
 
-/// A sensor that contradicts the model.
-pub(crate) fn mismatch(state: &PlayerState, found: &SensorMismatch, missing: Option<PartId>) -> String {
-    let missing = missing.map(|part| super::part(state, part));
-    AlarmText::Mismatch { found: &difference(state.table().handling(), found), missing: missing.as_deref() }.text()
-}
-
-/// A station at another rest than its next task begins at.
-pub(crate) fn wrong_rest(state: &PlayerState, found: &WrongRest) -> String {
-    let handling = state.table().handling();
-    let rests = handling.rests.iter().find(|of| of.station == found.station);
-    let rest = |id: RestId| rests.and_then(|of| of.names.get(id.index())).map_or("?", |name| name);
-    let tasks = rests.map(|of| &of.tasks[..]).unwrap_or_default();
-    let (way, back) = rests.map(|of| of.ways(found.stands, found.wanted)).unwrap_or_default();
-    let held = [way.map(|task| &*task.button), back.map(|(button, _)| button)];
-    let all = tasks.iter().flat_map(|task| &task.shared).filter(|(button, _)| held.contains(&Some(&**button)));
-    let mut too: Vec<String> = all.map(|(button, station)| AlarmText::MovesToo { button, station }.text()).collect();
-    too.sort_unstable();
-    too.dedup();
-    AlarmText::WrongRest {
-        resource: handling.resource_name(found.resource),
-        station: &handling.station_name(found.station),
-        stands: rest(found.stands),
-        wanted: rest(found.wanted),
-        next: state.table().called(found.next),
-        has_part: found.has_part,
-        way: way.map(|task| (&*task.button, &*task.name, task.waits)),
-        back,
-        too: &too,
-    }
-    .text()
-}
-
-pub(super) fn difference(handling: &RecoveryPolicy, found: &SensorMismatch) -> String {
-    let resource = handling.resource_name(found.resource);
-    if found.model { AlarmText::PartMissing { resource }.text() } else { AlarmText::PartUnexpected { resource }.text() }
-}
-
 /// The sentences of alarms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlarmText<'a> {
@@ -336,10 +300,12 @@ pub enum AlarmText<'a> {
     LedByHand { station: &'a str, word: &'a str },
     /// The carrier holds the part; with placeholders.
     Carried,
-    /// A sensor contradicts the model; a part that is missing may have been removed.
-    Mismatch { found: &'a str, missing: Option<&'a str> },
-    /// A station that stands at another rest than its next task begins at; the button and the task of a way there, and whether
-    /// that waits for inputs; and the button that takes back the task that has led away from there.
+    /// A sensor contradicts the model; a part that is missing may have been removed; a station that is closed on a part that is not in the
+    /// model has to be brought to another rest first.
+    Mismatch { found: &'a str, missing: Option<&'a str>, bring: Option<&'a str> },
+    /// A missing part is given up, and why its resource cannot be counted on.
+    GivenUp { resource: &'a str, why: &'a str },
+    /// A station that stands at another rest than its next task begins at, and how it is brought there.
     WrongRest {
         resource: &'a str,
         station: &'a str,
@@ -347,6 +313,13 @@ pub enum AlarmText<'a> {
         wanted: &'a str,
         next: &'a str,
         has_part: bool,
+        bring: &'a str,
+    },
+    /// The button and the task of a way to a rest, and whether that waits for inputs; and the button that takes back the task that has led
+    /// away from there.
+    Bring {
+        station: &'a str,
+        wanted: &'a str,
         way: Option<(&'a str, &'a str, bool)>,
         back: Option<(&'a str, &'a str)>,
         too: &'a [String],
@@ -374,12 +347,16 @@ impl AlarmText<'_> {
                     stopped.iter().map(|name| format!("`linewright resource … {name} reset`")).collect();
                 let reset = if reset.is_empty() { String::new() } else { format!("{}, then ", reset.join(" and ")) };
                 let lead = match why {
-                    Some((LeadDirection::On, because)) => format!(" on to a rest in manual, since {because}"),
-                    Some((LeadDirection::Back, because)) => format!(" back to a rest in manual, since {because}"),
-                    None if stations.len() > 1 => " to a rest in manual, all on or all back".to_owned(),
-                    None => " to a rest in manual".to_owned(),
+                    Some((LeadDirection::On, because)) => format!(": on where presses lead on, since {because}"),
+                    Some((LeadDirection::Back, because)) => format!(": back where presses lead back, since {because}"),
+                    None if stations.len() > 1 => ": all on or all back".to_owned(),
+                    None => String::new(),
                 };
-                format!("First {reset}lead {}{lead}. {then}", stations.join(" and "))
+                // Which way presses lead is found by a search, which is not done here.
+                format!(
+                    "First {reset}lead {} to a rest in manual, as `linewright recover` lists it{lead}. {then}",
+                    stations.join(" and ")
+                )
             }
             AlarmText::Completed { station } => format!("{station} has completed its order"),
             AlarmText::AtEnd { station } => format!("{station} stands at the end of its task"),
@@ -399,7 +376,7 @@ impl AlarmText<'_> {
             AlarmText::Awaited { failure, inputs } => format!("{failure}: {inputs}"),
             AlarmText::LeftWaiting { station, inputs, code } => {
                 let inputs = inputs.unwrap_or("an input");
-                format!("{station}: told to leave while it waited for {inputs} (code {code})")
+                format!("{station}: its order was ended while it waited for {inputs} (code {code})")
             }
             AlarmText::Contradicted { word, found } => format!("Answer \"{word}\" contradicts the sensors: {found}."),
             AlarmText::Moved { station, word } => format!("{station} moved after the answer \"{word}\"."),
@@ -414,12 +391,26 @@ impl AlarmText<'_> {
             AlarmText::Carried => {
                 "{carrier} holds part {part}. Move it to {to} or back to {from}, then answer which.".to_owned()
             }
-            AlarmText::Mismatch { found, missing: None } => format!("{found}. Correct it, then answer \"{UP}\"."),
-            AlarmText::Mismatch { found, missing: Some(part) } => {
+            AlarmText::Mismatch { found, bring: Some(bring), .. } => {
+                format!("{found}. {bring} Take the part out, then answer \"{UP}\".")
+            }
+            AlarmText::Mismatch { found, missing: None, .. } => format!("{found}. Correct it, then answer \"{UP}\"."),
+            AlarmText::Mismatch { found, missing: Some(part), .. } => {
                 format!("{found}. Correct it, then answer \"{UP}\"; if {part} was removed, answer \"{GONE}\".")
             }
-            AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way, back, too } => {
+            AlarmText::GivenUp { resource, why } => {
+                format!(
+                    "The part of {resource} is given up. {resource} stays out of service: {why}. When that is put right, answer \"{UP}\"."
+                )
+            }
+            AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, bring } => {
                 let part = if has_part { "a part" } else { "no part" };
+                format!(
+                    "{station} stands at rest \"{stands}\", but {resource} has {part}, and {next} begins at \"{wanted}\": {resource} \
+                     is not used. {bring} Then answer \"{UP}\"."
+                )
+            }
+            AlarmText::Bring { station, wanted, way, back, too } => {
                 let back =
                     back.map(|(button, task)| format!("{button} (takes task \"{task}\" back, if that was the last)"));
                 let way = match (way, back) {
@@ -433,8 +424,7 @@ impl AlarmText<'_> {
                 };
                 let too = too.iter().map(|too| format!(" {too}.")).collect::<String>();
                 format!(
-                    "{station} stands at rest \"{stands}\", but {resource} has {part}, and {next} begins at \"{wanted}\": {resource} \
-                     is not used. Bring {station} to \"{wanted}\": {way} (to hand mode: stop, wait for the standstill, start, hand).{too} Then answer \"{UP}\"."
+                    "Bring {station} to \"{wanted}\": {way} (to hand mode: stop, wait for the standstill, start, hand).{too}"
                 )
             }
             AlarmText::MovesToo { button, station } => format!("{button} moves {station} too"),

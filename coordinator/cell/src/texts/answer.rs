@@ -2,11 +2,11 @@
 
 use linewright_line::{Line, StationId};
 
-use crate::exception::{AlarmAnswerRefusal, ResourceRequest, StationUnavailable};
+use crate::exception::{AlarmAnswerRefusal, AlarmSubject, ResourceRequest, StationUnavailable};
 use crate::ids::{AlarmId, ResourceId};
 use crate::rehearsal::AnswerVerdict;
 use crate::state::PlayerState;
-use crate::texts::alarm::difference;
+use crate::texts::resource::difference;
 
 /// The reason, with the names of the description.
 pub fn answer_refused(line: &Line, state: &PlayerState, asked: ResourceRequest, why: AlarmAnswerRefusal) -> String {
@@ -96,6 +96,8 @@ impl AnswerRemark {
     /// The remark that follows from the verdict on an answer; none where sensors say nothing of it.
     pub fn of(line: &Line, state: &PlayerState, alarm: AlarmId, verdict: &AnswerVerdict) -> Option<Self> {
         let handling = state.table().handling();
+        let about = state.exceptions().alarm(alarm).map(|alarm| alarm.about);
+        let is_of_resource = matches!(about, Some(AlarmSubject::Resource(_)));
         let (fit, why) = match verdict {
             AnswerVerdict::Taken { unseen } if unseen.is_empty() => (AnswerFit::Fits, String::new()),
             AnswerVerdict::Taken { unseen } => {
@@ -119,7 +121,10 @@ impl AnswerRemark {
                 | AlarmAnswerRefusal::NotHeard(_)
                 | AlarmAnswerRefusal::Unheard(..)),
             ) => (AnswerFit::Refused, answer_refused(line, state, ResourceRequest::Answer(alarm), *why)),
-            // What is so of every answer is in the text of the alarm.
+            // What is so of every answer is in the text of the alarm of an activity, which names the stations; of a resource it is not.
+            AnswerVerdict::Refused(why) if is_of_resource => {
+                (AnswerFit::Refused, answer_refused(line, state, ResourceRequest::Answer(alarm), *why))
+            }
             AnswerVerdict::Refused(_) | AnswerVerdict::Open { .. } => return None,
         };
         Some(AnswerRemark { fit, why })

@@ -10,6 +10,7 @@ pub(crate) mod decision;
 mod failure;
 mod part;
 mod production;
+pub(crate) mod resource;
 mod service;
 pub(crate) mod wait;
 

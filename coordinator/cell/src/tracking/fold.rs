@@ -69,7 +69,8 @@ struct ResourceTally {
     /// Of work here that has ended: the nominal time, at most the actual one, and the actual one.
     nominal: Duration,
     actual: Duration,
-    worked: u64,
+    /// The parts of that: a part of which it does several steps is one.
+    worked: BTreeSet<PartId>,
 }
 
 /// A part's way through the cell.
@@ -184,7 +185,7 @@ impl Tracking {
             busy: tally.busy,
             down: tally.down,
             causes: tally.causes.clone(),
-            worked: tally.worked,
+            worked: tally.worked.len() as u64,
             nominal: tally.nominal,
             actual: tally.actual,
         };
@@ -370,7 +371,7 @@ impl Tracking {
         let Some(ModeEntry { worker, nominal, .. }) = self.sheet.modes.get(open.mode.index()) else { return };
         if let Some(worker) = worker.filter(|_| counts) {
             let tally = &mut self.resources[worker];
-            tally.worked += 1;
+            tally.worked.extend(open.part);
             // Each part for itself: one that was faster makes up for no other.
             tally.nominal += took.min(*nominal);
             tally.actual += took;

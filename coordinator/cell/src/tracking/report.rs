@@ -58,7 +58,7 @@ pub struct ResourceReport {
     pub down: Duration,
     /// Down time by cause, in µs.
     pub causes: Causes,
-    /// Number of parts it has worked on.
+    /// Number of parts it has worked on; one of which it does several steps counts once.
     pub worked: u64,
     /// Nominal time of that, each part at most as long as it took.
     pub nominal: Duration,
@@ -154,7 +154,7 @@ impl Effectiveness {
 impl CellSummary {
     /// Of all resources that have worked on parts; none if none has, or nothing has left.
     pub fn effectiveness(&self) -> Option<Effectiveness> {
-        let workers = || self.resources.iter().filter(|resource| resource.worked > 0);
+        let workers = || self.resources.iter().filter(|resource| !resource.actual.is_zero());
         let count = u32::try_from(workers().count()).ok()?;
         let down: Duration = workers().map(|resource| resource.down).sum();
         let planned = self.observed * count;

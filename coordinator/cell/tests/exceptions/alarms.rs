@@ -155,24 +155,35 @@ fn a_word_that_may_not_be_tried_again_decides_anew() {
     assert_eq!(ruling(&bench), words);
 }
 
-/// It was given up, and the answer refused all the same: a second one was no permitted answer.
+/// A person who has taken the part out was refused that until the station could work again. Nothing begins there before `up`.
 #[test]
-fn a_part_is_not_given_up_by_an_answer_that_is_refused() {
-    let mut bench = CellBench::c1(&[1, 0]);
-    bench.taken_away("load M1<A.new>", "m1", "M1.loaded<A.new>");
-    bench.at("m1").unable = Some(StationUnavailable::Devices);
-    bench.hear();
-    let (m1, asked) = (bench.station("m1"), ResourceRequest::Answer(bench.alarm().id));
-    let (alarm, written) = (bench.alarm().text.clone(), bench.steps().len());
-    let refused = AlarmAnswerRefusal::CannotWork(m1, StationUnavailable::Devices);
-    for _ in 0..2 {
+fn a_part_is_given_up_whatever_its_station_can_do() {
+    for is_away in [false, true] {
+        let mut bench = CellBench::c1(&[1, 0]);
+        bench.taken_away("load M1<A.new>", "m1", "M1.loaded<A.new>");
+        match is_away {
+            true => bench.at("m1").is_away = true,
+            false => bench.at("m1").unable = Some(StationUnavailable::Devices),
+        }
+        bench.hear();
+        bench.hear();
+        let (m1, missing, objected) = (bench.station("m1"), bench.alarm().id, bench.objections().len());
         bench.answer("gone");
-        assert_eq!(bench.objections().last(), Some(&(asked, refused)));
+        assert_eq!((bench.objections().len(), bench.state().exceptions().scrapped()), (objected, 1), "{is_away}");
+        let (alarm, words) = (bench.alarm().id, bench.alarm().words.clone());
+        assert!(alarm > missing && words == ["up"], "the part is no more, and nothing else is asked: {words:?}");
+        assert!(bench.alarm_now().starts_with("The part of M1 is given up. M1 stays out of service: m1: "));
+        let why = match is_away {
+            true => AlarmAnswerRefusal::NotHeard(m1),
+            false => AlarmAnswerRefusal::CannotWork(m1, StationUnavailable::Devices),
+        };
+        bench.answer("up");
+        assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Answer(alarm), why)));
+        assert_eq!((bench.alarm().id, bench.down().len()), (alarm, 1), "it keeps its number");
+        bench.at("m1").is_away = false;
+        bench.works("m1");
+        bench.answer("up");
+        assert_eq!((bench.down(), bench.state().exceptions().scrapped()), (vec![], 1));
+        bench.all_leave(1);
     }
-    assert_eq!((bench.steps().len(), bench.state().exceptions().scrapped()), (written, 0), "nothing has changed");
-    assert_eq!(bench.alarm().text, alarm);
-    bench.works("m1");
-    bench.answer("gone");
-    assert_eq!((bench.down(), bench.state().exceptions().scrapped()), (vec![], 1));
-    bench.all_leave(1);
 }

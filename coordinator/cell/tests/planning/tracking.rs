@@ -63,6 +63,18 @@ fn what_everybody_did_is_what_the_plan_adds_up_to() {
     assert_eq!(CellSummary { lost: 1, ..report }.quality(), Some(0.75));
 }
 
+/// Each step of the plan was counted as a part.
+#[test]
+fn a_part_of_which_a_machine_does_two_steps_is_one_part() {
+    let both = "{ resource = \"M1\", time_s = 40, program = 1 }, { resource = \"M2\", time_s = 55, program = 1 }";
+    assert!(C1.contains(both));
+    let made = Made::new(&C1.replacen(both, "{ resource = \"M3\", time_s = 40, program = 1 }", 1));
+    let shop = played(&made, &[("A", 2, None)], |_| ());
+    let report = report(&made, &shop.log, shop.makespan());
+    let machine = report.resources.iter().find(|of| of.name == "M3").expect("it is one");
+    assert_eq!((report.left, machine.worked, machine.actual), (2, 2, seconds(140.0)));
+}
+
 #[test]
 fn work_that_takes_longer_than_it_should_is_performance_lost() {
     let made = Made::new(ASSEMBLY);

@@ -3,13 +3,14 @@
 //! Names of the net become an operator's terms: a part is *in M1, loaded*, or *in `load M1`*.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use linewright_coordinator_cell::exception::{Alarm, LeadDirection, StationsToLead};
 use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
 use linewright_coordinator_cell::texts::{AnswerFit, AnswerRemark, ListedAnswer};
 use linewright_coordinator_cell::{
-    ActivityPhase, CellTable, Coordination, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderProgress, Part,
-    PartPlace, PlayerState, ProductionId, TaskReport, texts,
+    ActivityPhase, CellTable, Coordination, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderFailure,
+    OrderProgress, Part, PartPlace, PlayerState, ProductionId, TaskReport, texts,
 };
 use linewright_line::{Line, RestId, StationId, Tick};
 use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
@@ -171,14 +172,31 @@ fn activity(line: &Line, state: &PlayerState, firing: &OngoingActivity, now: Tic
             format!("failed, waits for {}", texts::recovery(trouble.map(|trouble| &trouble.stage)))
         }
     };
-    ActivityState {
+    let is_at_it = |order: &&StationOrder| match order.state {
+        OrderProgress::Running => true,
+        OrderProgress::Failed(failure) => !matches!(failure, OrderFailure::Refused(_)),
+        OrderProgress::Written | OrderProgress::Ended => false,
+    };
+    let at_it = firing.orders.iter().filter(is_at_it);
+    let ordered = at_it.filter_map(|order| Some((order.station, state.ordered_task(order.key)?)));
+    let numbers = |all: &[(Arc<str>, i32)]| {
+        all.iter().map(|(name, number)| format!("{name}={number}")).collect::<Vec<_>>().join("\n")
+    };
+    let mut message = ActivityState {
         id: firing.id.0,
         name: table.activity(mode).name.to_string(),
         part: firing.part.map_or(0, |part| part.0),
         began: time(firing.began),
         running: firing.phase == ActivityPhase::Running,
         text: fitting(text),
+        ..ActivityState::default()
+    };
+    for (station, (task, all)) in ordered {
+        message.stations.push(line.station(station).name.clone());
+        message.tasks.push(task.to_string());
+        message.numbers.push(numbers(&all));
     }
+    message
 }
 
 fn waits(line: &Line, order: &StationOrder, now: Tick) -> String {
