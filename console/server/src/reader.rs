@@ -59,10 +59,9 @@ async fn newer(
         }
         tokio::select! {
             changed = frames.changed() => changed.map_err(|_| Ended::Feed)?,
-            heard = heard(socket, room) => match heard? {
-                // Nothing is under way that could be acknowledged.
-                Some(_) => return Err(Ended::Reader),
-                None => {}
+            // Nothing is under way that could be acknowledged.
+            heard = heard(socket, room) => if heard?.is_some() {
+                return Err(Ended::Reader);
             },
         }
     }

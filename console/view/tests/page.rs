@@ -94,7 +94,7 @@ fn alarms_have_priorities_and_ages_since_they_were_received() {
     }
     bench.stations.iter_mut().flatten().for_each(|of| of.1 = 62_060);
     let page = bench.page(62_060);
-    let found: Vec<_> = page.alarms.iter().map(|of| (of.priority, &*of.priority_text, &*of.source, &*of.age)).collect();
+    let found: Vec<_> = page.alarms.iter().map(|of| (of.priority, of.priority_text, &*of.source, &*of.age)).collect();
     let clamp = &*bench.line.stations[1].name;
     assert_eq!(
         found,
