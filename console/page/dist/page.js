@@ -171,11 +171,11 @@ function HealthSign({of}){return a4("span",{class:`health ${of} value`,children:
 "li",{class:"value",children:text},at2))})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
 is-unknown",children:mode.text}),mode.is_enabled===!1&&mode.waiting_for.length>0&&a4("p",{class:"value",children:[t4.not_all,": ",mode.waiting_for.join(", ")]}),
 mode.refusal&&a4("p",{class:"value",children:mode.refusal}),mode.left_out.length>0&&a4("p",{class:"value",children:[t4.left_out,": ",mode.left_out.join(", ")]}),
-mode.restarted.length>0&&a4("p",{class:"value",children:[t4.restarted,": ",mode.restarted.join(", ")]}),mode.is_known&&a4("p",{children:[t4.cycle,": ",a4("span",
-{class:"value",children:mode.cycle?`${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})`:t4.no_cycle})]}),page.next&&a4("p",{class:"next",children:[t4.
-next,": ",a4("span",{class:"value",children:page.next})," (",t4.all_steps,")"]})]})}function StationCard({station}){return a4("li",{class:`card ${station.health}`,
-children:[a4("h3",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null?a4("p",{class:"value",children:station.unknown}):a4($,
-{children:[a4("p",{class:station.moves?"value moves":"value",children:station.operation}),a4("p",{children:[t4.mode,": ",a4("span",{class:"value",children:station.
+mode.restarted.length>0&&a4("p",{class:"value",children:[t4.restarted,": ",mode.restarted.join(", ")]}),mode.is_known&&!page.is_cell&&a4("p",{children:[t4.cycle,
+": ",a4("span",{class:"value",children:mode.cycle?`${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})`:t4.no_cycle})]}),page.next&&a4("p",{class:"next",
+children:[t4.next,": ",a4("span",{class:"value",children:page.next})," (",t4.all_steps,")"]})]})}function StationCard({station}){return a4("li",{class:`card ${station.
+health}`,children:[a4("h3",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null?a4("p",{class:"value",children:station.unknown}):
+a4($,{children:[a4("p",{class:station.moves?"value moves":"value",children:station.operation}),a4("p",{children:[t4.mode,": ",a4("span",{class:"value",children:station.
 mode})," · ",t4.count,": ",a4("span",{class:"value",children:station.cycle})]}),station.notes.map((note,at2)=>a4("p",{class:"value",children:note},at2)),station.
 fault&&a4("p",{class:"value fault-text",children:station.fault})]})]})}function Overview({page}){let open=page.cell?.orders.filter(order=>!order.is_over)??[];return a4(
 $,{children:[a4(ModeBlock,{page}),page.other_descriptions.length>0&&a4(List,{of:page.other_descriptions}),a4("ul",{class:"cards",children:page.stations.map(station=>a4(
@@ -191,17 +191,18 @@ children:alarm.answers.map(of=>a4("li",{class:"value",children:[a4("strong",{chi
 of.answer))})]})]})}function Alarms({page}){return page.alarms.length===0?a4("p",{class:"value",children:t4.alarms_none}):a4("table",{class:"list",children:[a4(
 "thead",{children:a4("tr",{children:[t4.priority,t4.state,t4.source,t4.age,t4.text].map(head=>a4("th",{scope:"col",children:head},head))})}),a4("tbody",{children:page.
 alarms.map(alarm=>a4(AlarmRow,{alarm},alarm.key))})]})}function Cell({page}){let cell=page.cell;return cell===null?a4("p",{class:"value is-unknown",children:page.
-cell_unknown}):a4($,{children:[a4("section",{children:[a4("h2",{children:t4.in_progress}),a4(List,{of:cell.activities.map(of=>`${of.name}${of.part===null?"":`, ${t4.
-part} ${of.part}`}, ${of.age}${of.running?"":`, ${t4.failed}`}${of.text&&`: ${of.text}`}`)})]}),a4("section",{children:[a4("h2",{children:[t4.parts,": ",a4("spa\
-n",{class:"value",children:t4.inside(cell.parts_inside,cell.parts_left)}),!cell.starting&&a4("span",{class:"value",children:["; ",t4.nothing_starts]})]}),a4("ta\
-ble",{class:"list",children:[a4("thead",{children:a4("tr",{children:[t4.part,t4.stage,t4.order,t4.place,t4.age].map(head=>a4("th",{scope:"col",children:head},head))})}),
-a4("tbody",{children:cell.parts.map(part=>a4("tr",{children:[part.part,part.stage,part.order??"",part.place,part.age].map((text,at2)=>a4("td",{class:"value",children:text},
-at2))},part.part))})]})]}),a4("section",{children:[a4("h2",{children:[t4.orders,": ",a4("span",{class:"value",children:t4.open(cell.orders_open)})]}),a4(Orders,
-{orders:cell.orders})]}),a4("section",{children:[a4("h2",{children:t4.out_of_service}),cell.out_of_service.length===0?a4("p",{class:"value",children:t4.none}):a4(
-List,{of:cell.out_of_service.map(of=>of.text)})]})]})}function Waiting({page}){return a4($,{children:[a4(ModeBlock,{page}),page.stations.map(station=>a4("sectio\
-n",{children:[a4("h2",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null&&a4("p",{class:"value is-unknown",children:station.
-unknown}),station.fault&&a4("p",{class:"value fault-text",children:station.fault}),station.unknown===null&&station.waits_for.length===0&&a4("p",{class:"value",children:t4.
-waits_for_nothing}),station.waits_for.length>0&&a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]},station.name))]})}var names=["overview","chart","alarms","cell","waiting"],here=()=>names.find(name=>`#${name}`===location.hash)??"overview",at=y3(here());addEventListener("hashc\
+cell_unknown}):a4($,{children:[a4("section",{children:[a4("h2",{children:t4.in_progress}),cell.activities.length===0&&a4("p",{class:"value",children:t4.none}),a4(
+List,{of:cell.activities.map(of=>`${of.name}${of.part===null?"":`, ${t4.part} ${of.part}`}, ${of.age}${of.running?"":`, ${t4.failed}`}${of.text&&`: ${of.text}`}`)})]}),
+a4("section",{children:[a4("h2",{children:[t4.parts,": ",a4("span",{class:"value",children:t4.inside(cell.parts_inside,cell.parts_left)}),!cell.starting&&a4("sp\
+an",{class:"value",children:["; ",t4.nothing_starts]})]}),a4("table",{class:"list",children:[a4("thead",{children:a4("tr",{children:[t4.part,t4.stage,t4.order,t4.
+place,t4.age].map(head=>a4("th",{scope:"col",children:head},head))})}),a4("tbody",{children:cell.parts.map(part=>a4("tr",{children:[part.part,part.stage,part.order??
+"",part.place,part.age].map((text,at2)=>a4("td",{class:"value",children:text},at2))},part.part))})]})]}),a4("section",{children:[a4("h2",{children:[t4.orders,":\
+ ",a4("span",{class:"value",children:t4.open(cell.orders_open)})]}),a4(Orders,{orders:cell.orders})]}),a4("section",{children:[a4("h2",{children:t4.out_of_service}),
+cell.out_of_service.length===0?a4("p",{class:"value",children:t4.none}):a4(List,{of:cell.out_of_service.map(of=>of.text)})]})]})}function Waiting({page}){return a4(
+$,{children:[a4(ModeBlock,{page}),page.stations.map(station=>a4("section",{children:[a4("h2",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.
+unknown!==null&&a4("p",{class:"value is-unknown",children:station.unknown}),station.fault&&a4("p",{class:"value fault-text",children:station.fault}),station.unknown===
+null&&station.waits_for.length===0&&a4("p",{class:"value",children:t4.waits_for_nothing}),station.waits_for.length>0&&a4("p",{children:[t4.waits_for,":"]}),a4(List,
+{of:station.waits_for})]},station.name))]})}var names=["overview","chart","alarms","cell","waiting"],here=()=>names.find(name=>`#${name}`===location.hash)??"overview",at=y3(here());addEventListener("hashc\
 hange",()=>at.value=here());function Banner({page}){let first=page.alarms[0];return first===void 0?a4("p",{class:"banner none value",children:t4.alarms_none}):a4(
 "a",{class:"banner",href:"#alarms",children:[a4(Priority,{of:first.priority,text:first.priority_text}),a4("span",{class:"value what",children:`${first.source}: ${first.
 text}`}),a4("span",{class:"value",children:t4.more_alarms(page.alarms.length)})]})}function Lost(){let age=lost_for.value;if(age===null)return null;let text=shown.

@@ -25,7 +25,7 @@ function ModeBlock({ page }: { page: Page }) {
           {t.restarted}: {mode.restarted.join(", ")}
         </p>
       )}
-      {mode.is_known && (
+      {mode.is_known && !page.is_cell && (
         <p>
           {t.cycle}: <span class="value">{mode.cycle ? `${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})` : t.no_cycle}</span>
         </p>
@@ -160,6 +160,7 @@ export function Cell({ page }: { page: Page }) {
     <>
       <section>
         <h2>{t.in_progress}</h2>
+        {cell.activities.length === 0 && <p class="value">{t.none}</p>}
         <List
           of={cell.activities.map(
             (of) => `${of.name}${of.part === null ? "" : `, ${t.part} ${of.part}`}, ${of.age}${of.running ? "" : `, ${t.failed}`}${of.text && `: ${of.text}`}`,
