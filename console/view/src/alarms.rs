@@ -39,7 +39,7 @@ pub struct AlarmPart {
     pub state: &'static str,
     /// What has happened, and what to do.
     pub text: String,
-    /// Time since it was raised, or since the console has received it.
+    /// Time since it was raised, or `shown for` and the time since the console has shown it first.
     pub age: String,
     /// Its number in the cell.
     pub number: Option<u64>,
@@ -109,7 +109,7 @@ impl FirstReceived {
         let mut aged = |alarm: LineAlarm| {
             let key = format!("{} {}", alarm.source, alarm.what);
             let since = *self.0.entry(key.clone()).or_insert(before.remove(&key).unwrap_or(now));
-            let age = format!("received for {}", span(now.saturating_sub(since).as_secs_f64()));
+            let age = format!("shown for {}", span(now.saturating_sub(since).as_secs_f64()));
             (since, plain(key, alarm.source, alarm.priority, alarm.text, age))
         };
         let mut all: Vec<(Duration, AlarmPart)> = alarms.into_iter().map(&mut aged).collect();

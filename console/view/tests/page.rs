@@ -77,7 +77,7 @@ fn health_is_the_worst_that_is_reported() {
 }
 
 #[test]
-fn alarms_have_priorities_and_ages_since_they_were_received() {
+fn alarms_have_priorities_and_ages_since_they_were_first_shown() {
     let mut bench = ViewBench::received(0);
     bench.page(0);
     bench.coordinator.as_mut().expect("received").0.left_out = vec!["mill_1".to_owned()];
@@ -99,9 +99,9 @@ fn alarms_have_priorities_and_ages_since_they_were_received() {
     assert_eq!(
         found,
         [
-            (1, "high", clamp, "received for 1 min 2 s"),
-            (2, "medium", "line", "received for 1 min 2 s"),
-            (3, "low", "line", "received for 1 min 2 s"),
+            (1, "high", clamp, "shown for 1 min 2 s"),
+            (2, "medium", "line", "shown for 1 min 2 s"),
+            (3, "low", "line", "shown for 1 min 2 s"),
         ]
     );
     assert_eq!(page.alarms[0].text, "advance clamp: watchdog");
@@ -109,7 +109,7 @@ fn alarms_have_priorities_and_ages_since_they_were_received() {
     bench.coordinator.as_mut().expect("received").0.console_lost = false;
     bench.page(62_061);
     bench.coordinator.as_mut().expect("received").0.console_lost = true;
-    assert_eq!(bench.page(62_062).alarms[1].age, "received for 0 s");
+    assert_eq!(bench.page(62_062).alarms[1].age, "shown for 0 s");
 }
 
 #[test]
