@@ -6,6 +6,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use linewright_console_view::{Aged, state_fresh};
 use linewright_fieldbus::Clock;
 use linewright_line::{Line, StationId, Tick};
 use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
@@ -57,13 +58,8 @@ impl<T> HeardNode<T> {
         is_newer
     }
 
-    fn fresh(&self, shown_for: Duration) -> Option<&T> {
-        self.state.as_ref().filter(|(_, at)| at.elapsed() < shown_for).map(|(state, _)| state)
-    }
-
-    /// How long the node, which was heard, is not heard any more.
-    fn unheard_for(&self, shown_for: Duration) -> Option<Duration> {
-        self.state.as_ref().map(|(_, at)| at.elapsed()).filter(|age| *age >= shown_for)
+    fn aged(&self) -> Option<Aged<'_, T>> {
+        self.state.as_ref().map(|(state, at)| Aged { state, age: at.elapsed() })
     }
 }
 
@@ -88,11 +84,6 @@ pub struct OperatorClient {
 /// Events come in bursts, one per motion of every station.
 const QUEUE: usize = 4096;
 
-/// A state is shown for this many times the age at which controllers ignore it, so that the picture does not flicker.
-fn shown_for(line: &Line) -> Duration {
-    line.timing.stale * 2
-}
-
 /// Joins the ROS graph of a line as `name`; also gives the domain.
 pub fn join(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<(RosNode, u16)> {
     let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
@@ -114,7 +105,7 @@ impl OperatorClient {
         let (mut node, domain_id) = join(line, ros, name)?;
         let (to, from) = mpsc::channel(QUEUE);
         let state = node.subscription("state", qos::latched_state()).map_err(failed)?;
-        let pace = MessagePace::new(line.timing.refresh, shown_for(line));
+        let pace = MessagePace::new(line.timing.refresh, state_fresh(line));
         let mut tasks = vec![forward_present(state, to.clone(), pace.clone(), |m, _| Some(RawState::Line(m)))];
         for station in &line.stations {
             let state = node.subscription(&format!("{}/state", station.name), qos::latched_state()).map_err(failed)?;
@@ -144,9 +135,19 @@ impl OperatorClient {
         &self.line
     }
 
+    /// The coordinator's newest state with its age.
+    pub fn coordinator_aged(&self) -> Option<Aged<'_, LineState>> {
+        self.coordinator.aged()
+    }
+
+    /// A station's newest state with its age.
+    pub fn station_aged(&self, id: StationId) -> Option<Aged<'_, StationState>> {
+        self.stations[id.index()].aged()
+    }
+
     /// The coordinator's newest state, if it is fresh.
     pub fn coordinator(&self) -> Option<&LineState> {
-        self.coordinator.fresh(shown_for(&self.line))
+        self.coordinator_aged()?.fresh(state_fresh(&self.line))
     }
 
     /// Whether a coordinator was heard at all.
@@ -156,22 +157,22 @@ impl OperatorClient {
 
     /// A station's newest state, if it is fresh.
     pub fn station(&self, id: StationId) -> Option<&StationState> {
-        self.stations[id.index()].fresh(shown_for(&self.line))
+        self.station_aged(id)?.fresh(state_fresh(&self.line))
     }
 
     /// How long the coordinator, which was heard, is not heard any more.
     pub fn coordinator_unheard_for(&self) -> Option<Duration> {
-        self.coordinator.unheard_for(shown_for(&self.line))
+        self.coordinator_aged()?.unheard_for(state_fresh(&self.line))
     }
 
     /// How long a station that was heard is not heard any more.
     pub fn unheard_for(&self, id: StationId) -> Option<Duration> {
-        self.stations[id.index()].unheard_for(shown_for(&self.line))
+        self.station_aged(id)?.unheard_for(state_fresh(&self.line))
     }
 
     /// The fingerprints of the stations that are received, by station.
     fn fingerprints(&self) -> impl Iterator<Item = (StationId, u64)> {
-        let of = |id: StationId| self.described[id.index()].filter(|(_, at)| at.elapsed() < shown_for(&self.line));
+        let of = |id: StationId| self.described[id.index()].filter(|(_, at)| at.elapsed() < state_fresh(&self.line));
         self.line.station_ids().filter_map(move |id| of(id).map(|(fingerprint, _)| (id, fingerprint)))
     }
 

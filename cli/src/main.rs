@@ -11,6 +11,7 @@ mod cell;
 mod chart;
 mod check;
 mod client;
+mod console;
 mod described;
 mod devices;
 mod expand;
@@ -101,6 +102,8 @@ enum CliCommand {
     Resource(cell::ResourceArgs),
     /// Show a line or a cell as it runs.
     Watch(watch::Args),
+    /// Show a running line in a browser on this machine.
+    Console(console::Args),
     /// Inspect and command the nodes of a CAN bus: scan, status, nmt, sdo, monitor, record, replay.
     Can(can::CanArgs),
     /// Print the JSON schema of a description, for editors: line, cell or scenario.
@@ -207,6 +210,7 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Answer(args) => asynchronous(async move { cell::answer(args, &ros).await }),
         CliCommand::Resource(args) => asynchronous(async move { cell::resource(args, &ros).await }),
         CliCommand::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
+        CliCommand::Console(args) => asynchronous(async move { console::run(args, &ros).await }),
         CliCommand::Can(args) => asynchronous(async move { can::run(args, &ros).await }),
         CliCommand::Schema(args) => schema::run(&args),
         CliCommand::Completions(args) => shell::completions(&args),

@@ -13,6 +13,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args as ClapArgs;
+use linewright_console_view::refusal;
 use linewright_line::{Line, StationId};
 use linewright_msgs::StationState;
 use linewright_node_shell::RosArgs;
@@ -22,11 +23,10 @@ use crate::cell::CellClient;
 use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
 use crate::load;
-use crate::watch::{Screen, refusal};
+use crate::watch::{Screen, next_of};
 use json::RecoveryJson;
 pub use newest::NewestPlan;
 use newest::ReasonedPlan;
-pub use progress::behind_signals;
 use progress::{PressFailures, newly_done};
 
 /// Time within which all are to be received.
@@ -122,7 +122,7 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
                 if let (Some(before), Some(now)) = (&before, &found) {
                     done.extend(newly_done(client.line(), &before.plan, &now.plan));
                 }
-                let next = found.as_ref().and_then(|found| found.plan.steps.get(behind_signals(&found.plan)?));
+                let next = found.as_ref().and_then(|found| found.plan.steps.get(found.plan.behind_signals()?));
                 failures.note(next, |id| newest.moves(id), |id| client.station(id).is_some_and(comes_again));
                 let commands = if screen.is_some() { Commands::First } else { Commands::AllAgain };
                 let of = PictureOf { done: &done, found: found.as_ref(), commands, failed: failures.count() };
@@ -143,13 +143,6 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
             },
             () = interrupts.next() => return Ok(ExitCode::FAILURE),
         }
-    }
-}
-
-async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
-    match cell {
-        Some(cell) => cell.next().await.map(drop),
-        None => std::future::pending().await,
     }
 }
 
@@ -264,7 +257,7 @@ fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<Strin
     lines.extend(done.iter().map(|text| format!(" done  {text}")));
     lines.extend(client.other_descriptions());
     let Some(found) = found else { return lines };
-    let (plan, next) = (&found.plan, behind_signals(&found.plan));
+    let (plan, next) = (&found.plan, found.plan.behind_signals());
     lines.extend(plan.led.iter().map(|led| led.text(line)));
     for (at, (step, why)) in plan.steps.iter().zip(&found.reasons).enumerate() {
         lines.push(format!("{:>5}. {}", at + 1, step.text(line)));

@@ -4,7 +4,7 @@
 //! `watch` shows it for a line that runs anywhere; `run` shows the same for the line it has started.
 
 pub mod cell;
-mod next;
+pub mod next;
 
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -16,6 +16,9 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use clap::Args as ClapArgs;
 use crossterm::{cursor, execute, queue, terminal};
 use futures::future::LocalBoxFuture;
+use linewright_console_view::{
+    NextStep, ReasonsByResource, SELECTOR_AT_MANUAL, coordinator_not_received, refusal, station_not_received,
+};
 use linewright_line::{Line, StationId};
 use linewright_msgs::{CellState, LineState, StationEvent, StationState};
 use linewright_node_shell::RosArgs;
@@ -28,8 +31,7 @@ use crate::load;
 use crate::recover::NewestPlan;
 use crate::run::chart::RollingChart;
 use crate::states::LineJson;
-use cell::{CellWatchJson, ReasonsByResource};
-use next::NextStep;
+use cell::CellWatchJson;
 
 /// Options of `watch`.
 #[derive(Debug, ClapArgs)]
@@ -117,14 +119,16 @@ async fn once(
     Ok(if is_all { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
+/// Waits for a newer state of the cell; for ever of a line.
+pub async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
     match cell {
         Some(cell) => cell.next().await.map(drop),
         None => std::future::pending().await,
     }
 }
 
-async fn answered(asked: &mut Option<LocalBoxFuture<'static, ReasonsByResource>>) -> ReasonsByResource {
+/// Waits for the reply that is asked for; for ever where none is.
+pub async fn answered(asked: &mut Option<LocalBoxFuture<'static, ReasonsByResource>>) -> ReasonsByResource {
     match asked {
         Some(asked) => asked.await,
         None => std::future::pending().await,
@@ -136,7 +140,7 @@ const HEARD_WITHIN: Duration = Duration::from_secs(5);
 /// Often enough for an eye.
 pub const PICTURE_EVERY: Duration = Duration::from_millis(100);
 /// Period of requests for the reasons why resources are left out.
-const REASONS_EVERY: Duration = Duration::from_secs(1);
+pub const REASONS_EVERY: Duration = Duration::from_secs(1);
 /// Time that the bar chart shows, in s.
 const CHART_SECONDS: f64 = 12.0;
 /// Number of the last messages shown.
@@ -281,29 +285,19 @@ impl WatchState {
 pub fn mode(title: &str, line: Option<&LineState>, unheard: Option<Duration>, width: usize) -> Vec<String> {
     let mut lines = match line {
         Some(state) => wrapped(&format!("{title} — mode: {}", state.text), 4, width),
-        None => wrapped(&format!("{title}: no state received from the coordinator{}", for_how_long(unheard)), 4, width),
+        None => wrapped(&format!("{title}: {}", coordinator_not_received(unheard)), 4, width),
     };
     lines.extend(line.and_then(refusal).into_iter().flat_map(|text| wrapped(&text, 4, width)));
     lines.push(String::new());
     lines
 }
 
-/// The last refusal, with its age; none where it is over.
-pub fn refusal(state: &LineState) -> Option<String> {
-    let age = Duration::from_millis(state.refusal_age_ms.into()).as_secs();
-    (!state.refusal.is_empty()).then(|| format!("last refusal, {age} s ago: {}", state.refusal))
-}
-
-fn for_how_long(unheard: Option<Duration>) -> String {
-    unheard.map_or_else(String::new, |unheard| format!(" for {} s", unheard.as_secs()))
-}
-
 /// A station with its fault and what it waits for.
 pub fn station(name: &str, state: Option<&StationState>, unheard: Option<Duration>, width: usize) -> Vec<String> {
-    let Some(state) = state else { return vec![format!("{name:12} no state received{}", for_how_long(unheard))] };
+    let Some(state) = state else { return vec![format!("{name:12} {}", station_not_received(unheard))] };
     let mut lines = wrapped(&format!("{name:12} cycle {:<4} {}", state.cycle, state.operation), 15, width);
     if state.selector_manual {
-        lines.push(format!("{:12} selector at manual", ""));
+        lines.push(format!("{:12} {SELECTOR_AT_MANUAL}", ""));
     }
     if !state.fault.is_empty() {
         lines.extend(wrapped(&format!("{:12} FAULT {}", "", state.fault), 15, width));

@@ -67,6 +67,11 @@ impl RecoveryPlan {
         self.steps.iter().any(|step| matches!(step.action, RecoveryAction::First(Need::Answer(_))))
     }
 
+    /// The place of its first step behind fault signals.
+    pub fn behind_signals(&self) -> Option<usize> {
+        self.steps.iter().position(|step| !step.is_fault_signal())
+    }
+
     /// Whether its steps lead to auto, and no alarm waits for the decision of a person.
     pub fn leads_to_auto(&self) -> bool {
         self.end == RecoveryEnd::Auto && !self.has_alarms()

@@ -154,6 +154,13 @@ pub struct RecoveryStep {
     pub after: Option<StationAfter>,
 }
 
+impl RecoveryStep {
+    /// Whether a fault signal is to go off: it may do so by itself, as that of a drive does which stands.
+    pub fn is_fault_signal(&self) -> bool {
+        matches!(self.action, RecoveryAction::First(Need::FaultSignal(..)))
+    }
+}
+
 impl RecoveryAction {
     /// The places of which a person confirms one, the assumed one first; empty for another action.
     pub fn choices(&self) -> impl Iterator<Item = &RejoinChoice> + Clone {

@@ -3,20 +3,18 @@
 //! Shared by the subcommands about cells: `order`, `why`, `answer`, `resource` and `run`. Like [`crate::client`] it
 //! uses only what the stock tools can use.
 
-mod answers;
 mod operate;
 mod why;
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use linewright_console_view::{Aged, CELL_FRESH, ReasonsByResource};
 use linewright_fieldbus::Clock;
 use linewright_line::Line;
 use linewright_msgs::{
     AnswerAlarm, AnswerAlarmRequest, Bounded, CellState, ChangeOrder, ChangeOrderRequest, ProductionRequest,
-    ProductionState, RosService, SetResource, SetResourceRequest, SubmitOrders, SubmitOrdersRequest, WhyNot,
-    WhyNotRequest,
+    RosService, SetResource, SetResourceRequest, SubmitOrders, SubmitOrdersRequest, WhyNot, WhyNotRequest,
 };
 use linewright_node_shell::{CallError, Caller, Forward, Mapping, RosArgs, RosNode, forward, fresh_key, qos};
 use linewright_station_shell::NewestBySequence;
@@ -25,7 +23,6 @@ use tokio::sync::mpsc;
 
 use crate::client::{join, not_heard};
 
-pub use answers::{AnswerJson, answers, permitted};
 pub use operate::{AnswerArgs, CellJson, OrderArgs, ResourceArgs, answer, order, resource};
 pub use why::{WhyArgs, why};
 
@@ -36,9 +33,6 @@ const TRIES: u32 = 10;
 
 /// Time for a newer state after the first: while something changes it is published ten times a second.
 const SETTLE: Duration = Duration::from_millis(250);
-
-/// The age at which a coordinator's last `CellState` no longer shows that this coordinator runs: two and a half periods.
-const SILENT: Duration = Duration::from_millis(2500);
 
 /// A person's connection to a cell.
 pub struct CellClient {
@@ -71,7 +65,7 @@ impl CellClient {
             name: line.name.clone(),
             from,
             clock: Clock::start(),
-            newest: NewestBySequence::new(SILENT),
+            newest: NewestBySequence::new(CELL_FRESH),
             state: None,
             heard: Instant::now(),
             submit: caller(&mut node, "submit_order")?,
@@ -91,9 +85,14 @@ impl CellClient {
         self.state.as_ref()
     }
 
+    /// The newest state with its age.
+    pub fn aged(&self) -> Option<Aged<'_, CellState>> {
+        self.state().map(|state| Aged { state, age: self.heard.elapsed() })
+    }
+
     /// The newest state, unless the coordinator is silent.
     pub fn heard_lately(&self) -> Option<&CellState> {
-        self.state().filter(|_| self.heard.elapsed() < SILENT)
+        self.aged()?.fresh(CELL_FRESH)
     }
 
     /// Waits for a newer state. Cancel safe.
@@ -144,10 +143,10 @@ impl CellClient {
     }
 
     /// Why resources are left out; without those of which the coordinator does not answer.
-    pub fn reasons(&self, resources: Vec<String>) -> impl Future<Output = BTreeMap<String, Vec<String>>> + use<> {
+    pub fn reasons(&self, resources: Vec<String>) -> impl Future<Output = ReasonsByResource> + use<> {
         let why = self.why.clone();
         async move {
-            let mut known = BTreeMap::new();
+            let mut known = ReasonsByResource::new();
             for about in resources {
                 if let Ok(response) = ask(&why, &WhyNotRequest { about: about.clone() }).await {
                     known.insert(about, response.lines);
@@ -220,9 +219,4 @@ pub fn request(name: &str, product: &str, quantity: u32) -> ProductionRequest {
         quantity,
         ..ProductionRequest::default()
     }
-}
-
-/// Whether an order is over.
-pub fn is_over(order: &ProductionState) -> bool {
-    order.ended.sec != 0 || order.ended.nanosec != 0
 }

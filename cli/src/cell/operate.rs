@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::time::{Duration, SystemTime};
 
 use clap::{Args, Subcommand};
+use linewright_console_view::{answers, permitted, verdict};
 use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_cell::texts::alarm::takes_back;
 use linewright_msgs::{AlarmState, CellState, ProductionState, SetResourceRequest, Time};
@@ -13,8 +14,7 @@ use miette::miette;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::answers::verdict;
-use super::{CellClient, answers, permitted, request};
+use super::{CellClient, request};
 use crate::load;
 use crate::out::{self, say};
 

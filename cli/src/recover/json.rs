@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use linewright_console_view::AnswerJson;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::Block;
 use linewright_line::{Line, OperationModule};
@@ -11,7 +12,6 @@ use linewright_recovery::{
 use serde::Serialize;
 
 use super::newest::ReasonedPlan;
-use crate::cell::AnswerJson;
 use crate::client::OperatorClient;
 use crate::states::ModeJson;
 

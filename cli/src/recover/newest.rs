@@ -4,6 +4,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use linewright_console_view::permitted;
 use linewright_coordinator_cell::AlarmId;
 use linewright_coordinator_cell::exception::ExceptionStage;
 use linewright_coordinator_cell::texts::recovery;
@@ -16,10 +17,9 @@ use linewright_recovery::{
     RecoveryPlan, StandingAlarm, plan,
 };
 
-use super::next_of;
-use super::progress::behind_signals;
-use crate::cell::{CellClient, permitted};
+use crate::cell::CellClient;
 use crate::client::OperatorClient;
+use crate::watch::next_of;
 
 /// Most searches have ended by then, and are waited for.
 const AT_ONCE: Duration = Duration::from_millis(20);
@@ -62,7 +62,7 @@ impl ReasonedPlan {
 fn reasoned(line: &Line, situation: &LineSituation) -> ReasonedPlan {
     let plan = plan(line, situation);
     let reasons = plan.reasons(line, situation).into_iter().map(|why| why.map(|why| why.text(line))).collect();
-    let next = behind_signals(&plan).map(|at| &plan.steps[at].action);
+    let next = plan.behind_signals().map(|at| &plan.steps[at].action);
     let returns_home = match next {
         Some(RecoveryAction::Press(station, PanelButton::Advance)) => plan.returns_home(line, situation, *station),
         _ => false,

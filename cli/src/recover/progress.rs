@@ -7,12 +7,7 @@ use linewright_recovery::{Need, PlannedMotion, RecoveryAction, RecoveryPlan, Rec
 fn is_wait(step: &RecoveryStep) -> bool {
     let is_wait =
         matches!(step.action, RecoveryAction::First(Need::Standstill(_) | Need::Acknowledged | Need::Settled { .. }));
-    is_wait || is_signal(step)
-}
-
-/// A fault signal: it may go off by itself, as that of a drive does which stands.
-fn is_signal(step: &RecoveryStep) -> bool {
-    matches!(step.action, RecoveryAction::First(Need::FaultSignal(..)))
+    is_wait || step.is_fault_signal()
 }
 
 /// The first steps of a plan that its successor does not have any more, if the rest is the same.
@@ -28,11 +23,6 @@ pub fn newly_done(line: &Line, before: &RecoveryPlan, now: &RecoveryPlan) -> Vec
         return Vec::new();
     }
     old[..was.len() - is.len()].iter().map(|step| step.text(line)).collect()
-}
-
-/// The place in a plan of its first step behind fault signals.
-pub fn behind_signals(plan: &RecoveryPlan) -> Option<usize> {
-    plan.steps.iter().position(|step| !is_signal(step))
 }
 
 /// Failures of the press that stays the first step of a plan.
@@ -152,7 +142,7 @@ mod tests {
         let mut failures = PressFailures::default();
         for _ in 0..2 {
             for (now, moves) in [(&off, true), (&off, true), (&on, false), (&off, false)] {
-                failures.note(behind_signals(now).map(|at| &now.steps[at]), |_| moves, |_| true);
+                failures.note(now.behind_signals().map(|at| &now.steps[at]), |_| moves, |_| true);
             }
         }
         assert_eq!(failures.count(), 2);

@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 use std::time::Instant;
 
 use linewright_cell::Cell;
+use linewright_console_view::{answers, is_over};
 use linewright_line::Line;
 use linewright_msgs::{CellState, ProductionState};
 use linewright_node_shell::RosArgs;
 use miette::miette;
 
-use crate::cell::{CellClient, answers, is_over, request};
+use crate::cell::{CellClient, request};
 
 /// A cell that runs.
 pub struct CellRun {

@@ -4,17 +4,14 @@
 //! Pure: the newest state in, lines of text out. What does not fit the screen is counted where there is a line for it,
 //! and what needs an operator comes first.
 
-use std::collections::BTreeMap;
-
-use linewright_msgs::{ActivityState, AlarmState, CellState, PartState, ProductionState, StationState, Time};
-use linewright_station_logic::StationWait;
+use linewright_console_view::{
+    OWN_EMERGENCY_STOP, ReasonsByResource, answers, due, is_over, left_out, of_order, of_part, seconds, span, waits,
+};
+use linewright_msgs::{ActivityState, AlarmState, CellState, PartState, ProductionState, StationState};
 use serde::Serialize;
 
 use super::wrapped;
-use crate::cell::{CellJson, answers, is_over};
-
-/// Why resources are left out, by their names, as far as the coordinator has answered.
-pub type ReasonsByResource = BTreeMap<String, Vec<String>>;
+use crate::cell::CellJson;
 
 /// Lines under a head; each entry is wrapped already.
 struct Section {
@@ -80,20 +77,6 @@ fn alarm(of: &AlarmState) -> String {
     format!("{}: {} Answers: {}", of.id, of.text, answers(of))
 }
 
-/// The coordinator's answer for a resource, sentences of which the first begins with its name. Of alarms, which are shown
-/// above, the number.
-fn left_out(cell: &CellState, name: &str, reasons: Option<&Vec<String>>) -> String {
-    let Some(reasons) = reasons else { return name.to_owned() };
-    let shown = cell.alarms.as_slice().iter().map(|of| format!("alarm {}", of.id)).collect::<Vec<_>>();
-    let sentence = |reason: &String| {
-        let alarm =
-            shown.iter().find(|alarm| reason.strip_prefix(&***alarm).is_some_and(|rest| rest.starts_with(": ")));
-        let text = alarm.unwrap_or(reason).trim_end_matches('.');
-        format!("{text}.")
-    };
-    reasons.iter().map(sentence).collect::<Vec<_>>().join(" ")
-}
-
 fn station(name: &str, state: Option<&StationState>, is_line_stopped: bool, width: usize) -> Vec<String> {
     let name = format!("  {name:12}");
     let Some(state) = state else { return wrapped(&format!("{name} no state received"), 15, width) };
@@ -103,10 +86,9 @@ fn station(name: &str, state: Option<&StationState>, is_line_stopped: bool, widt
         add(format!("FAULT {}", state.fault));
     }
     if state.mode == StationState::MODE_ESTOP && !is_line_stopped {
-        add("emergency stop of its own, not reset; give `linewright resource … reset`, then manual".to_owned());
+        add(OWN_EMERGENCY_STOP.to_owned());
     }
-    let idle = StationWait::TaskOrder.text();
-    for reason in state.blocked_by.iter().filter(|reason| **reason != idle) {
+    for reason in waits(state) {
         add(format!("waits for {reason}"));
     }
     lines
@@ -120,34 +102,13 @@ fn activity(of: &ActivityState, now: f64) -> String {
 
 fn part(cell: &CellState, of: &PartState, now: f64) -> String {
     let stage = if of.stage.is_empty() { String::new() } else { format!(" {}", of.stage) };
-    let order = cell.orders.as_slice().iter().find(|order| of.order != 0 && order.id == of.order);
-    let order = order.map(|order| format!(" (order {})", order.name)).unwrap_or_default();
+    let order = of_part(cell, of).map(|order| format!(" (order {order})")).unwrap_or_default();
     format!("part {}{stage}{order}: {}, for {}", of.id, of.place, span(now - seconds(&of.since)))
 }
 
 fn order(of: &ProductionState, now: f64) -> String {
-    let lost = if of.lost > 0 { format!(", {} lost", of.lost) } else { String::new() };
-    let due = match seconds(&of.due) {
-        0.0 => String::new(),
-        due if due >= now => format!(", due in {}", span(due - now)),
-        due => format!(", overdue for {}", span(now - due)),
-    };
-    format!("{}: {} of {} {}, {}{lost}{due}", of.name, of.done, of.quantity, of.product, of.text)
-}
-
-fn seconds(time: &Time) -> f64 {
-    f64::from(time.sec) + f64::from(time.nanosec) * 1e-9
-}
-
-/// A time that goes by, in the two largest units.
-fn span(seconds: f64) -> String {
-    let whole = seconds.max(0.0) as u64;
-    match whole {
-        0..60 => format!("{whole} s"),
-        60..3600 => format!("{} min {} s", whole / 60, whole % 60),
-        3600..86_400 => format!("{} h {} min", whole / 3600, whole / 60 % 60),
-        _ => format!("{} d {} h", whole / 86_400, whole / 3600 % 24),
-    }
+    let due = due(of, now).map(|due| format!(", {due}")).unwrap_or_default();
+    format!("{}: {}{due}", of.name, of_order(of))
 }
 
 /// The cell in `watch --json`.
@@ -221,8 +182,12 @@ impl CellWatchJson {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
+    use linewright_msgs::{Bounded, Time};
+    use linewright_station_logic::StationWait;
+
     use super::*;
-    use linewright_msgs::Bounded;
 
     const NOW: f64 = 10_000.0;
     const ALARM: &str = "R came to M1 without part 7. Put the part back into slot 1 of ST. (`load M1`: robot: motion not \

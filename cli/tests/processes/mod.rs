@@ -11,6 +11,7 @@ mod auto_cycles;
 mod beside;
 mod cell_thread;
 mod cells;
+mod console;
 mod described;
 mod devices;
 mod full_disk;

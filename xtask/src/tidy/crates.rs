@@ -7,7 +7,7 @@ use super::WorkspaceMember;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 23] = [
+pub const PURE: [&str; 24] = [
     "linewright-random",
     "linewright-nets",
     "linewright-diagnostics",
@@ -31,6 +31,7 @@ pub const PURE: [&str; 23] = [
     "linewright-simulation",
     "linewright-recovery",
     "linewright-faults",
+    "linewright-console-view",
 ];
 
 /// Dependencies that neither they nor the messages may have, at any distance.
@@ -51,7 +52,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 39] = [
+const MAY_USE: [(&str, &[&str]); 41] = [
     ("linewright-random", &[]),
     ("linewright-nets", &[]),
     ("linewright-diagnostics", &[]),
@@ -201,6 +202,21 @@ const MAY_USE: [(&str, &[&str]); 39] = [
             "linewright-fieldbus",
         ],
     ),
+    (
+        "linewright-console-view",
+        &[
+            "linewright-line",
+            // Which wait of a station is no obstacle.
+            "linewright-station-logic",
+            // Answers to an alarm, as operators read them.
+            "linewright-coordinator-cell",
+            "linewright-msgs",
+            // The next step of a plan.
+            "linewright-recovery",
+        ],
+    ),
+    // It serves pages, and does not know what they are about.
+    ("linewright-console-server", &["linewright-console-view"]),
     ("linewright", EVERYTHING),
     ("linewright-tests", EVERYTHING),
     ("linewright-examples", EVERYTHING),

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const LINES_MAX: usize = 500;
 
 /// Never part of the product, whatever is in them.
-const NOT_OURS: [&str; 2] = ["target", ".git"];
+const NOT_OURS: [&str; 3] = ["target", ".git", "node_modules"];
 
 /// Kinds of files that are text and written by people.
 const TEXT: [&str; 17] = [

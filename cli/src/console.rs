@@ -1,0 +1,141 @@
+//! `linewright console`: the page of a line for browsers on this machine. It reads and commands nothing.
+//!
+//! A ROS 2 node as that of `watch`: the page is made of what the nodes publish. What makes it and what takes the states in is one loop;
+//! where that stands, no frame is sent, and every page shows that it is cut off.
+
+use std::borrow::Cow;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use clap::Args as ClapArgs;
+use futures::future::LocalBoxFuture;
+use linewright_console_server::PageServer;
+use linewright_console_view::{ConsoleInputs, ConsoleView, NextStep, PageFeed, PageFrame, ReasonsByResource};
+use linewright_line::{Line, StationId};
+use linewright_msgs::CycleTime;
+use linewright_node_shell::{RosArgs, forward, qos};
+use miette::miette;
+use tokio::sync::{mpsc, watch};
+
+use crate::cell::CellClient;
+use crate::client::{OperatorClient, StateUpdate};
+use crate::interrupts::Interrupts;
+use crate::load;
+use crate::recover::NewestPlan;
+use crate::states::mode_name;
+use crate::watch::next::look;
+use crate::watch::{REASONS_EVERY, answered, next_of};
+
+/// Show a running line in a browser on this machine.
+#[derive(Debug, ClapArgs)]
+#[command(
+    after_help = "Prints the address to open, and serves until Ctrl-C. The page reads: it commands nothing. It may be started before its line, and stays while the line is started again. Only loopback addresses are served; TLS and log-in are not built yet."
+)]
+pub struct Args {
+    /// The directory of a line or cell, or its description file.
+    line: PathBuf,
+    /// Loopback address and port; port 0 chooses a free one.
+    #[arg(long, default_value = "127.0.0.1:8080", value_parser = address)]
+    listen: SocketAddr,
+}
+
+/// Period of frames.
+const FRAME_EVERY: Duration = Duration::from_millis(100);
+
+fn address(text: &str) -> Result<SocketAddr, String> {
+    text.parse().map_err(|_| "expected an address with its port, e.g. 127.0.0.1:8080 or [::1]:8080".to_owned())
+}
+
+/// `linewright console`
+pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let (line, is_cell) = load::line_or_cell(&args.line)?;
+    let server = PageServer::bind(args.listen).await.map_err(|error| miette!("{error}"))?;
+    let mut client = OperatorClient::open(&line, &args.line, ros, "console")?;
+    let mut cell = is_cell.then(|| CellClient::open(&line, ros, "console_cell")).transpose()?;
+    let cycle = client.node().subscription("cycle_time", qos::latched_state()).map_err(|error| miette!("{error}"))?;
+    let (to, mut cycles) = mpsc::channel(4);
+    let _forward = forward(cycle, to, |message, _| Some(message));
+    let (frames, newest) = watch::channel(None);
+    crate::out::say!("{}", server.url());
+    let _serving = tokio::spawn(server.run(newest));
+    let mut console = ConsoleLoop::new(&line, is_cell);
+    let mut ticks = tokio::time::interval(FRAME_EVERY);
+    ticks.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+    let mut reasons = tokio::time::interval(REASONS_EVERY);
+    let mut asked: Option<LocalBoxFuture<'static, ReasonsByResource>> = None;
+    let mut interrupts = Interrupts::listen()?;
+    loop {
+        tokio::select! {
+            heard = client.next() => if let StateUpdate::Station(id) = heard? {
+                console.station(&client, id);
+            },
+            heard = next_of(&mut cell) => heard?,
+            Some(cycle) = cycles.recv() => console.cycle = Some(cycle),
+            known = answered(&mut asked) => {
+                console.out_of_service = known;
+                asked = None;
+            }
+            _ = reasons.tick() => if let Some(cell) = cell.as_ref().filter(|_| asked.is_none()) {
+                let down = cell.heard_lately().map(|state| state.down.as_slice().to_vec()).unwrap_or_default();
+                asked = Some(Box::pin(cell.reasons(down)));
+            },
+            _ = ticks.tick() => drop(frames.send_replace(Some(Arc::new(console.frame(&client, cell.as_ref()))))),
+            () = interrupts.next() => break,
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the console keeps beside the newest states.
+struct ConsoleLoop {
+    line: Line,
+    begin: Instant,
+    view: ConsoleView,
+    feed: PageFeed,
+    plan: NewestPlan,
+    next: Option<NextStep>,
+    cycle: Option<CycleTime>,
+    out_of_service: ReasonsByResource,
+}
+
+impl ConsoleLoop {
+    fn new(line: &Line, is_cell: bool) -> Self {
+        ConsoleLoop {
+            line: line.clone(),
+            begin: Instant::now(),
+            view: ConsoleView::new(line, is_cell, mode_name),
+            feed: PageFeed::default(),
+            plan: NewestPlan::default(),
+            next: None,
+            cycle: None,
+            out_of_service: ReasonsByResource::new(),
+        }
+    }
+
+    /// A station's state has come.
+    fn station(&mut self, client: &OperatorClient, id: StationId) {
+        if let Some(aged) = client.station_aged(id) {
+            self.view.take_station(self.begin.elapsed(), id, aged.state);
+        }
+    }
+
+    /// The frame of now.
+    fn frame(&mut self, client: &OperatorClient, cell: Option<&CellClient>) -> PageFrame {
+        self.next = look(&mut self.plan, client, cell);
+        let now = self.begin.elapsed();
+        let page = self.view.page(&ConsoleInputs {
+            now,
+            line: client.coordinator_aged(),
+            stations: self.line.station_ids().map(|id| client.station_aged(id)).collect(),
+            cell: cell.and_then(CellClient::aged),
+            cycle: self.cycle.as_ref(),
+            next: self.next.as_ref(),
+            out_of_service: Cow::Borrowed(&self.out_of_service),
+            other_descriptions: client.other_descriptions(),
+        });
+        self.feed.frame(now, &page)
+    }
+}

@@ -1,0 +1,121 @@
+//! The console: started before its line, it shows the line's modes as they change, that the line is gone, and the line again.
+//!
+//! ```text
+//!   linewright run ──▶ nodes ── ROS topics ──▶ linewright console ── WebSocket ──▶ this test, as a page reads
+//! ```
+
+use std::io::{BufRead, BufReader};
+use std::net::TcpStream;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+use linewright_console_view::PageReader;
+use linewright_msgs::StationState;
+use serde_json::Value;
+use tokio_tungstenite::tungstenite::client::IntoClientRequest;
+use tokio_tungstenite::tungstenite::{Message, WebSocket, client};
+
+use crate::support::operator::Operator;
+use crate::support::rig::{Rig, line, send_signal};
+use crate::support::{PATIENCE, wait_for};
+
+/// A page of the console.
+struct PageOfConsole {
+    socket: WebSocket<TcpStream>,
+    reader: PageReader,
+}
+
+impl PageOfConsole {
+    fn open(address: &str) -> Self {
+        let stream = TcpStream::connect(address).expect("it listens");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        let mut request = format!("ws://{address}/feed").into_client_request().expect("a request");
+        request.headers_mut().insert("origin", format!("http://{address}").parse().expect("a header"));
+        let (socket, _) = client(request, stream).expect("it is served");
+        PageOfConsole { socket, reader: PageReader::default() }
+    }
+
+    /// Takes the next frame; none when the console has ended.
+    fn next(&mut self) -> Option<&Value> {
+        let text = self.socket.read().ok()?.into_text().ok()?;
+        let sequence = self.reader.take(&text).expect("a frame that fits");
+        self.socket.send(Message::text(sequence.to_string())).ok()?;
+        Some(self.reader.page())
+    }
+
+    /// Reads until the page is so.
+    fn wait(&mut self, what: &str, holds: impl Fn(&Value) -> bool) -> Value {
+        let is_there = wait_for(PATIENCE * 2, || self.next().is_some_and(&holds));
+        assert!(is_there, "{what}: {:#}", self.reader.page());
+        self.reader.page().clone()
+    }
+}
+
+/// A console that runs, with the address that it has printed.
+fn console(rig: &Rig) -> (Child, String) {
+    let mut command = rig.command(&["console"], &["--listen", "127.0.0.1:0"]);
+    let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().expect("the command starts");
+    let mut printed = String::new();
+    BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut printed).expect("a line");
+    let address = printed.trim().strip_prefix("http://").and_then(|rest| rest.strip_suffix('/'));
+    (child, address.unwrap_or_else(|| panic!("no address: {printed}")).to_owned())
+}
+
+fn is_mode(word: &'static str) -> impl Fn(&Value) -> bool {
+    move |page| page["mode"]["word"] == word && page["mode"]["is_known"] == true
+}
+
+fn all_stations(page: &Value, holds: impl Fn(&Value) -> bool) -> bool {
+    page["stations"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(holds))
+}
+
+#[test]
+fn a_page_shows_a_line_that_starts_changes_its_mode_ends_and_starts_again() {
+    let mut rig = Rig::new(&line(0.3));
+    let (mut console, address) = console(&rig);
+    let mut page = PageOfConsole::open(&address);
+    let before = page.wait("nothing is received", |page| page["mode"]["is_known"] == false);
+    assert!(all_stations(&before, |station| station["health"] == "unknown"), "{before:#}");
+    let operator = rig.in_stand_by();
+    let ready =
+        page.wait("stand-by", |page| is_mode("stand-by")(page) && all_stations(page, |of| of["health"] == "ok"));
+    assert_eq!(ready["alarms"].as_array().map(Vec::len), Some(0), "{ready:#}");
+    operator.order("auto", StationState::MODE_AUTO);
+    page.wait("auto", is_mode("auto"));
+    page.wait("a motion in its lane", |page| page["lanes"].to_string().contains(r#""kind":"moving""#));
+    page.wait("a cycle time", |page| page["mode"]["cycle"]["duration_s"].as_f64().is_some_and(|took| took > 0.0));
+    drop(operator);
+    rig.ends_well(0);
+    let gone = page.wait("the line is gone", |page| page["mode"]["is_known"] == false);
+    assert!(
+        gone["mode"]["text"].as_str().is_some_and(|text| text.contains("no state received from the coordinator for"))
+    );
+    page.wait("the stations are gone", |page| {
+        all_stations(page, |of| of["operation"].is_null() && of["health"] == "unknown")
+    });
+    rig.start(&["--no-auto"]);
+    let _operator = Operator::join(&rig);
+    page.wait("the line again", |page| {
+        page["mode"]["is_known"] == true && all_stations(page, |of| of["health"] != "unknown")
+    });
+    refused(&rig, &address);
+    rig.signal("INT");
+    rig.ended();
+    send_signal("INT", console.id());
+    assert!(wait_for(PATIENCE, || console.try_wait().expect("a child").is_some()), "Ctrl-C ends it");
+    assert!(console.wait().expect("a child").success());
+    assert!(wait_for(Duration::from_secs(5), || page.next().is_none()), "its pages are cut off");
+}
+
+/// Addresses that it does not listen on, each with the reason.
+fn refused(rig: &Rig, in_use: &str) {
+    let said = |address: &str| rig.said(&["console"], &["--listen", address]).expect_err("it is refused");
+    for (address, reason) in [
+        (in_use, "is in use by another program"),
+        ("0.0.0.0:8080", "is not a loopback address"),
+        ("8080", "expected an address with its port, e.g. 127.0.0.1:8080"),
+    ] {
+        let text = said(address).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(reason), "{address}: {text}");
+    }
+}

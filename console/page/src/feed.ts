@@ -1,0 +1,97 @@
+// Frames from the server, and the loss of them.
+//
+// A page counts as lost when no frame was drawn for LOST_AFTER_MS, whatever the reason: no server, no network, a script that has failed.
+// Clocks of server and browser are never compared: ages are differences of the browser's own clock, and of `now_ms` of frames.
+
+import { signal } from "@preact/signals";
+import type { Frame, Page } from "./model";
+
+/** Frames come ten times a second; with the period of the look, a loss is shown within 500 ms. */
+const LOST_AFTER_MS = 380;
+const LOOK_EVERY_MS = 50;
+const CONNECT_AGAIN_MS = 400;
+/** A connection without frames is opened anew. */
+const SILENT_MS = 3000;
+
+export interface Shown {
+  page: Page;
+  now_ms: number;
+}
+
+/** The newest page; null before the first frame. */
+export const shown = signal<Shown | null>(null);
+/** For how long no frame was drawn, in ms; null while they come. */
+export const lost_for = signal<number | null>(null);
+
+let sequence = 0;
+let drawn_at = performance.now();
+let received_at = performance.now();
+
+/** A frame was drawn. */
+export function drawn(): void {
+  drawn_at = performance.now();
+  look();
+}
+
+/** The same value with a change in it; what has not changed stays the same object. */
+function changed(value: unknown, path: (string | number)[], at: number, to: unknown): unknown {
+  if (at === path.length) return to;
+  const step = path[at]!;
+  if (Array.isArray(value) && typeof step === "number" && step < value.length) {
+    const copy = value.slice();
+    copy[step] = changed(value[step], path, at + 1, to);
+    return copy;
+  }
+  if (value !== null && typeof value === "object" && Object.hasOwn(value, step)) {
+    const from = value as Record<string | number, unknown>;
+    return { ...from, [step]: changed(from[step], path, at + 1, to) };
+  }
+  throw new Error("a change at a place that the page does not have");
+}
+
+function take(frame: Frame): void {
+  let page = frame.page;
+  if (page === undefined) {
+    if (shown.value === null || frame.sequence !== sequence + 1) throw new Error("a frame was missed");
+    page = (frame.changes ?? []).reduce<unknown>((page, [path, to]) => changed(page, path, 0, to), shown.value.page) as Page;
+  }
+  sequence = frame.sequence;
+  shown.value = { page, now_ms: frame.now_ms };
+}
+
+function connect(): void {
+  const socket = new WebSocket(`ws://${location.host}/feed`);
+  received_at = performance.now();
+  const silent = setInterval(() => {
+    if (performance.now() - received_at > SILENT_MS) socket.close();
+  }, CONNECT_AGAIN_MS);
+  socket.onmessage = (event) => {
+    received_at = performance.now();
+    try {
+      take(JSON.parse(event.data as string) as Frame);
+      socket.send(String(sequence));
+    } catch (error) {
+      // The next connection begins with the whole page.
+      console.error(error);
+      socket.close();
+    }
+  };
+  socket.onclose = () => {
+    clearInterval(silent);
+    setTimeout(connect, CONNECT_AGAIN_MS);
+  };
+}
+
+function look(): void {
+  const age = performance.now() - drawn_at;
+  const is_lost = age > LOST_AFTER_MS;
+  // Outside of what is rendered: it is grey also when rendering fails.
+  document.documentElement.classList.toggle("lost", is_lost);
+  lost_for.value = is_lost ? Math.floor(age / 100) * 100 : null;
+}
+
+export function begin(): void {
+  setInterval(look, LOOK_EVERY_MS);
+  document.addEventListener("visibilitychange", look);
+  connect();
+}

@@ -1,0 +1,93 @@
+// The page: its head with the alarm banner, one of the pages, and what is shown when frames are lost.
+
+import { signal } from "@preact/signals";
+import { render } from "preact";
+import { useLayoutEffect } from "preact/hooks";
+import { Chart } from "./chart";
+import { begin, drawn, lost_for, shown } from "./feed";
+import type { Page } from "./model";
+import { Alarms, Cell, Overview, Waiting } from "./pages";
+import { Priority } from "./parts";
+import { t } from "./texts";
+
+const names = ["overview", "chart", "alarms", "cell", "waiting"] as const;
+type Name = (typeof names)[number];
+
+const here = (): Name => names.find((name) => `#${name}` === location.hash) ?? "overview";
+const at = signal<Name>(here());
+addEventListener("hashchange", () => (at.value = here()));
+
+function Banner({ page }: { page: Page }) {
+  const first = page.alarms[0];
+  if (first === undefined) return <p class="banner none value">{t.alarms_none}</p>;
+  return (
+    <a class="banner" href="#alarms">
+      <Priority of={first.priority} text={first.priority_text} />
+      <span class="value what">{`${first.source}: ${first.text}`}</span>
+      <span class="value">{t.more_alarms(page.alarms.length)}</span>
+    </a>
+  );
+}
+
+function Lost() {
+  const age = lost_for.value;
+  if (age === null) return null;
+  const text = shown.value === null ? t.never : t.lost((age / 1000).toFixed(1));
+  return (
+    <div id="lost" role="alert">
+      {text}
+    </div>
+  );
+}
+
+function Body() {
+  const now = shown.value;
+  useLayoutEffect(() => {
+    if (now !== null) drawn();
+  }, [now]);
+  if (now === null) return null;
+  const page = now.page;
+  const name = at.value === "cell" && !page.is_cell ? "overview" : at.value;
+  return (
+    <>
+      <header>
+        <div class="title">
+          <h1>{page.title}</h1>
+          <p>
+            {t.mode}:{" "}
+            <strong id="mode" class={page.mode.is_known ? "value" : "value is-unknown"}>
+              {page.mode.is_known ? page.mode.word : t.unknown}
+            </strong>
+          </p>
+        </div>
+        <nav aria-label={t.pages}>
+          {names
+            .filter((name) => name !== "cell" || page.is_cell)
+            .map((of) => (
+              <a href={`#${of}`} aria-current={of === name ? "page" : undefined} key={of}>
+                {t[of]}
+              </a>
+            ))}
+        </nav>
+        <Banner page={page} />
+      </header>
+      <main>
+        {name === "overview" && <Overview page={page} />}
+        {name === "chart" && <Chart shown={now} />}
+        {name === "alarms" && <Alarms page={page} />}
+        {name === "cell" && <Cell page={page} />}
+        {name === "waiting" && <Waiting page={page} />}
+      </main>
+      <footer>{t.reads_only}</footer>
+    </>
+  );
+}
+
+render(
+  <>
+    <Body />
+    <Lost />
+  </>,
+  document.getElementById("page")!,
+);
+begin();

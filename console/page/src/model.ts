@@ -1,0 +1,104 @@
+// The model of the page, as the crate `linewright-console-view` writes it.
+
+export type StretchKind = "moving" | "undoing" | "halted" | "stopped" | "unknown";
+
+/** Times are ms since the begin of the console, as `now_ms` of a frame. */
+export interface Stretch {
+  kind: StretchKind;
+  from_ms: number;
+  to_ms: number | null;
+}
+
+export interface Lane {
+  operation: string;
+  stretches: Stretch[];
+}
+
+export interface StationLanes {
+  station: string;
+  lanes: Lane[];
+}
+
+export type Health = "unknown" | "emergency_stop" | "fault" | "left_out" | "manual" | "ok";
+
+export interface Station {
+  name: string;
+  health: Health;
+  unknown: string | null;
+  mode: string | null;
+  cycle: number | null;
+  operation: string | null;
+  moves: boolean | null;
+  fault: string | null;
+  notes: string[];
+  waits_for: string[];
+}
+
+export interface Mode {
+  is_known: boolean;
+  word: string;
+  text: string;
+  is_enabled: boolean | null;
+  waiting_for: string[];
+  left_out: string[];
+  restarted: string[];
+  refusal: string | null;
+  cycle: { number: number; duration_s: number } | null;
+}
+
+export interface Answer {
+  answer: string;
+  meaning: string;
+  verdict: string | null;
+  why: string | null;
+}
+
+export interface Alarm {
+  key: string;
+  source: string;
+  priority: 1 | 2 | 3;
+  priority_text: string;
+  state: string;
+  text: string;
+  age: string;
+  number: number | null;
+  answers: Answer[];
+  lead: string[];
+  reset: string[];
+  at_order: string[];
+  lead_to: string | null;
+  lead_because: string;
+  bring: [string, string] | null;
+}
+
+export interface Cell {
+  starting: boolean;
+  parts_inside: number;
+  parts_left: number;
+  orders_open: number;
+  parts: { part: number; stage: string; place: string; age: string; order: string | null }[];
+  activities: { id: number; name: string; part: number | null; age: string; running: boolean; text: string }[];
+  orders: { id: number; name: string; text: string; due: string | null; is_late: boolean; is_over: boolean }[];
+  out_of_service: { resource: string; text: string }[];
+}
+
+export interface Page {
+  title: string;
+  is_cell: boolean;
+  mode: Mode;
+  other_descriptions: string[];
+  next: string | null;
+  stations: Station[];
+  lanes: StationLanes[];
+  alarms: Alarm[];
+  cell: Cell | null;
+  cell_unknown: string | null;
+}
+
+/** A frame: the whole page, or what has changed since the frame before. */
+export interface Frame {
+  sequence: number;
+  now_ms: number;
+  page?: Page;
+  changes?: [(string | number)[], unknown][];
+}

@@ -1,0 +1,211 @@
+//! The page in a real browser: what it shows, that it is grey when its server is gone, and that it comes back.
+//!
+//! Chromium is driven by its own driver, whose protocol (W3C WebDriver) is JSON over HTTP; of it only what is needed here. Without them
+//! (Debian: `chromium`, `chromium-driver`) the test prints SKIPPED.
+
+use std::io::Write;
+use std::net::SocketAddr;
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_console_server::PageServer;
+use linewright_console_view::{Aged, ConsoleInputs, ConsoleView, PageFeed};
+use linewright_line::Line;
+use linewright_msgs::{LineState, StationState};
+use serde_json::{Value, json};
+use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
+use tokio::net::TcpStream;
+use tokio::sync::watch;
+use tokio::task::JoinHandle;
+use tokio::time::{Instant, sleep, timeout};
+
+/// For a machine that is busy with other things.
+const PATIENCE: Duration = Duration::from_secs(40);
+
+/// Longest time from the last frame to a grey page, in ms, as documented, with the time that the driver takes for the request that
+/// notes the begin before the server is ended.
+const GREY_WITHIN_MS: f64 = 650.0;
+
+/// A browser with its driver; both end with it.
+struct Browser {
+    driver: Child,
+    port: u16,
+    session: String,
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // It ends its browsers before itself; killed, it would leave them.
+        if let Ok(mut stream) = std::net::TcpStream::connect(("127.0.0.1", self.port)) {
+            let _ = stream.write_all(b"GET /shutdown HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+            let end = std::time::Instant::now() + Duration::from_secs(10);
+            while matches!(self.driver.try_wait(), Ok(None)) && std::time::Instant::now() < end {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+        }
+        let _ = self.driver.kill();
+        let _ = self.driver.wait();
+    }
+}
+
+impl Browser {
+    /// Starts them; the reason where they are not installed.
+    async fn open() -> Result<Self, String> {
+        let port =
+            std::net::TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a port").port();
+        let mut command = Command::new("chromedriver");
+        command.arg(format!("--port={port}")).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        let driver = command.spawn().map_err(|error| format!("chromedriver: {error}"))?;
+        let mut browser = Browser { driver, port, session: String::new() };
+        let listens = async {
+            while TcpStream::connect(("127.0.0.1", port)).await.is_err() {
+                sleep(Duration::from_millis(50)).await;
+            }
+        };
+        timeout(PATIENCE, listens).await.expect("chromedriver listens");
+        let options =
+            ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--window-size=800,480"];
+        let asked = json!({ "capabilities": { "alwaysMatch": { "goog:chromeOptions": { "args": options } } } });
+        match browser.ask("POST", "/session", &asked).await {
+            Ok(opened) => browser.session = opened["sessionId"].as_str().expect("a session").to_owned(),
+            Err(why) if why.contains("cannot find Chrome") => return Err(why),
+            Err(why) => panic!("{why}"),
+        }
+        Ok(browser)
+    }
+
+    /// A request of the protocol; gives its value.
+    async fn ask(&self, method: &str, path: &str, asked: &Value) -> Result<Value, String> {
+        let body = asked.to_string();
+        let request = format!(
+            "{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n{body}",
+            self.port,
+            body.len()
+        );
+        let exchange = async {
+            let mut stream = BufReader::new(TcpStream::connect(("127.0.0.1", self.port)).await?);
+            stream.write_all(request.as_bytes()).await?;
+            // The connection stays open: the length of the body is in the head.
+            let (mut length, mut head) = (0, String::new());
+            while stream.read_line(&mut head).await? > 2 {
+                let name = head.to_ascii_lowercase();
+                length = name.strip_prefix("content-length:").and_then(|of| of.trim().parse().ok()).unwrap_or(length);
+                head.clear();
+            }
+            let mut body = vec![0; length];
+            stream.read_exact(&mut body).await?;
+            std::io::Result::Ok(body)
+        };
+        let body = timeout(PATIENCE, exchange).await.map_err(|_| format!("{path}: no answer"))?;
+        let body = body.map_err(|error| format!("{path}: {error}"))?;
+        let mut json: Value = serde_json::from_slice(&body).map_err(|error| format!("{path}: {error}"))?;
+        let value = json["value"].take();
+        if value.get("error").is_some() { Err(value["message"].to_string()) } else { Ok(value) }
+    }
+
+    async fn script(&self, script: &str) -> Value {
+        let path = format!("/session/{}/execute/sync", self.session);
+        self.ask("POST", &path, &json!({ "script": script, "args": [] })).await.expect("it runs")
+    }
+
+    async fn visit(&self, url: &str) {
+        let path = format!("/session/{}/url", self.session);
+        self.ask("POST", &path, &json!({ "url": url })).await.expect("it is loaded");
+    }
+
+    /// Waits until a condition of the page holds.
+    async fn wait(&self, condition: &str) {
+        let end = Instant::now() + PATIENCE;
+        while self.script(&format!("return Boolean({condition})")).await != true {
+            assert!(Instant::now() < end, "{condition}: {}", self.script("return document.body.innerText").await);
+            sleep(Duration::from_millis(30)).await;
+        }
+    }
+}
+
+/// A server whose line is in this mode, ten times a second.
+async fn serve(address: SocketAddr, mode: &'static str) -> (JoinHandle<()>, SocketAddr) {
+    let end = Instant::now() + PATIENCE;
+    let server = loop {
+        match PageServer::bind(address).await {
+            Ok(server) => break server,
+            Err(error) => assert!(Instant::now() < end, "{error}"),
+        }
+        sleep(Duration::from_millis(20)).await;
+    };
+    let address = server.address();
+    let served = tokio::spawn(async move {
+        let text = linewright_line::TransferLine::default().text();
+        let line: Line = linewright_line::parse("line.toml", &text).expect("parses").line;
+        let (frames, newest) = watch::channel(None);
+        let state = LineState { mode: StationState::MODE_AUTO, text: mode.to_owned(), ..LineState::default() };
+        let mut view = ConsoleView::new(&line, false, |_| "auto");
+        let (mut feed, begin) = (PageFeed::default(), Instant::now());
+        let mut ticks = tokio::time::interval(Duration::from_millis(100));
+        let publish = async {
+            loop {
+                ticks.tick().await;
+                let nothing = ConsoleInputs::nothing(begin.elapsed(), &line);
+                let page =
+                    view.page(&ConsoleInputs { line: Some(Aged { state: &state, age: Duration::ZERO }), ..nothing });
+                frames.send_replace(Some(Arc::new(feed.frame(begin.elapsed(), &page))));
+            }
+        };
+        // Ends both, and with the sender every connection.
+        tokio::select! {
+            () = server.run(newest) => {}
+            () = publish => {}
+        }
+    });
+    (served, address)
+}
+
+/// The tests of a page by its style: it is grey, its mode is struck through, and the time of the loss is shown.
+const IS_LOST: &str = "document.documentElement.classList.contains('lost') && document.getElementById('lost') \
+                       && getComputedStyle(document.getElementById('mode')).textDecorationLine === 'line-through' \
+                       && getComputedStyle(document.body).filter === 'grayscale(1)'";
+const IS_LIVE: &str = "!document.documentElement.classList.contains('lost') && !document.getElementById('lost') \
+                       && getComputedStyle(document.getElementById('mode')).textDecorationLine === 'none'";
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_page_without_its_server_is_grey_at_once_and_comes_back() {
+    let browser = match Browser::open().await {
+        Ok(browser) => browser,
+        Err(why) => {
+            println!("SKIPPED: no Chromium with its driver here ({why})");
+            return;
+        }
+    };
+    let (mut served, address) = serve("127.0.0.1:0".parse().expect("an address"), "auto, first").await;
+    browser.visit(&format!("http://{address}/")).await;
+    browser.wait(IS_LIVE).await;
+    browser.wait("document.getElementById('mode').innerText === 'auto'").await;
+    browser.wait("document.body.innerText.includes('auto, first')").await;
+    for (page, shows) in [
+        ("chart", "document.querySelectorAll('.bar.unknown').length > 5"),
+        ("alarms", "document.querySelectorAll('tbody tr').length === 3"),
+        ("waiting", "document.querySelectorAll('main .is-unknown').length === 3"),
+        ("cell", "document.querySelectorAll('.card.unknown').length === 3"),
+        ("overview", "document.querySelectorAll('.card.unknown').length === 3"),
+    ] {
+        browser.script(&format!("location.hash = '#{page}'")).await;
+        browser.wait(shows).await;
+    }
+    let note = "window.grey = null; const of = document.documentElement; window.seen?.disconnect(); \
+                window.seen = new MutationObserver(() => { if (of.classList.contains('lost')) window.grey ??= performance.now(); }); \
+                window.seen.observe(of, { attributes: true }); return performance.now()";
+    let mut within = Vec::new();
+    for again in ["auto, second", "auto, third", "auto, fourth"] {
+        let ended = browser.script(note).await.as_f64().expect("a time");
+        served.abort();
+        browser.wait(IS_LOST).await;
+        within.push(browser.script("return window.grey").await.as_f64().expect("a time") - ended);
+        served = serve(address, again).await.0;
+        browser.wait(IS_LIVE).await;
+        browser.wait(&format!("document.body.innerText.includes('{again}')")).await;
+    }
+    // One that takes longer may be this machine's.
+    println!("grey within {within:.0?} ms");
+    assert!(within.iter().any(|of| *of < GREY_WITHIN_MS), "{within:?}");
+}

@@ -1,0 +1,183 @@
+//! Alarms of a line and of its cell, as one list.
+//!
+//! The messages have no priority. It follows from what an alarm is about: 1 stops the line or a station, 2 somebody has to see to, 3 is
+//! to be known.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use linewright_msgs::{AlarmState, CellState, LineState, StationState};
+use serde::Serialize;
+
+use crate::answers::{AnswerJson, permitted};
+use crate::bounds;
+use crate::texts::{seconds, span};
+
+/// Priority of an alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum AlarmPriority {
+    /// The line or a station stands because of it.
+    High = 1,
+    /// Somebody has to see to it.
+    Medium = 2,
+    /// To be known.
+    Low = 3,
+}
+
+/// An alarm. Of those that are none of a cell, everything after `age` is empty.
+#[derive(Debug, Serialize)]
+pub struct AlarmPart {
+    /// Tells it from every other alarm of the page.
+    pub key: String,
+    /// `line`, `cell` or the name of a station.
+    pub source: String,
+    /// 1 to 3.
+    pub priority: u8,
+    /// The priority as text.
+    pub priority_text: &'static str,
+    /// State of the alarm as text. Acknowledging does not exist yet: each is active as long as its cause is reported.
+    pub state: &'static str,
+    /// What has happened, and what to do.
+    pub text: String,
+    /// Time since it was raised, or `shown for` and the time since the console has shown it first.
+    pub age: String,
+    /// Its number in the cell.
+    pub number: Option<u64>,
+    /// What can be answered.
+    pub answers: Vec<AnswerJson>,
+    /// Stations that are to be led to a rest by hand before the answer.
+    pub lead: Vec<String>,
+    /// Those of them that are to be reset before they are led.
+    pub reset: Vec<String>,
+    /// Stations that still have an order of what has failed.
+    pub at_order: Vec<String>,
+    /// Which way they are led; none where no station is.
+    pub lead_to: Option<&'static str>,
+    /// Why that way; empty where either will do.
+    pub lead_because: String,
+    /// Station that is to be brought to another rest before the answer, and that rest.
+    pub bring: Option<[String; 2]>,
+}
+
+impl AlarmPriority {
+    /// The priority as text.
+    pub const fn text(self) -> &'static str {
+        match self {
+            AlarmPriority::High => "high",
+            AlarmPriority::Medium => "medium",
+            AlarmPriority::Low => "low",
+        }
+    }
+}
+
+/// An alarm that is none of a cell, before its age is known.
+pub(crate) struct LineAlarm {
+    pub source: String,
+    pub what: &'static str,
+    pub priority: AlarmPriority,
+    pub text: String,
+}
+
+fn plain(key: String, source: String, priority: AlarmPriority, text: String, age: String) -> AlarmPart {
+    AlarmPart {
+        key,
+        source,
+        priority: priority as u8,
+        priority_text: priority.text(),
+        state: "active",
+        text,
+        age,
+        number: None,
+        answers: Vec::new(),
+        lead: Vec::new(),
+        reset: Vec::new(),
+        at_order: Vec::new(),
+        lead_to: None,
+        lead_because: String::new(),
+        bring: None,
+    }
+}
+
+/// When the console has first received the alarms that have no time of their own.
+#[derive(Debug, Default)]
+pub(crate) struct FirstReceived(BTreeMap<String, Duration>);
+
+impl FirstReceived {
+    /// The alarms with their ages. Those that are not among them are forgotten.
+    pub fn aged(&mut self, now: Duration, alarms: Vec<LineAlarm>) -> Vec<AlarmPart> {
+        let mut before = std::mem::take(&mut self.0);
+        let mut aged = |alarm: LineAlarm| {
+            let key = format!("{} {}", alarm.source, alarm.what);
+            let since = *self.0.entry(key.clone()).or_insert(before.remove(&key).unwrap_or(now));
+            let age = format!("shown for {}", span(now.saturating_sub(since).as_secs_f64()));
+            (since, plain(key, alarm.source, alarm.priority, alarm.text, age))
+        };
+        let mut all: Vec<(Duration, AlarmPart)> = alarms.into_iter().map(&mut aged).collect();
+        all.sort_by_key(|(since, _)| std::cmp::Reverse(*since));
+        all.into_iter().map(|(_, alarm)| alarm).collect()
+    }
+}
+
+/// What the coordinator reports.
+pub(crate) fn of_line(state: &LineState) -> Vec<LineAlarm> {
+    let alarm =
+        |what, priority, text: &str| LineAlarm { source: "line".to_owned(), what, priority, text: bounds::text(text) };
+    let mut alarms = Vec::new();
+    if state.mode == StationState::MODE_ESTOP || state.estop_latched {
+        alarms.push(alarm("emergency stop", AlarmPriority::High, &state.text));
+    }
+    if !state.obstacles.is_empty() {
+        let obstacles: Vec<&str> = state.obstacles.iter().map(String::as_str).collect();
+        alarms.push(alarm("obstacles", AlarmPriority::High, &obstacles.join("; ")));
+    }
+    if state.console_lost {
+        let text = "the devices of the line's console are not operational, or were not received yet";
+        alarms.push(alarm("console devices", AlarmPriority::Medium, text));
+    }
+    if !state.left_out.is_empty() {
+        let names: Vec<&str> = state.left_out.iter().map(String::as_str).collect();
+        alarms.push(alarm(
+            "left out",
+            AlarmPriority::Low,
+            &format!("left out of the mode decision: {}", names.join(", ")),
+        ));
+    }
+    alarms
+}
+
+/// What the cell reports, the newest first. `now`: the time by the clock of its coordinator, in s since 1970.
+pub(crate) fn of_cell(state: &CellState, now: f64) -> Vec<AlarmPart> {
+    let mut alarms: Vec<&AlarmState> = state.alarms.as_slice().iter().collect();
+    alarms.sort_by(|a, b| seconds(&b.raised).total_cmp(&seconds(&a.raised)).then(b.id.cmp(&a.id)));
+    alarms.into_iter().map(|of| of_cell_one(of, now)).collect()
+}
+
+fn of_cell_one(of: &AlarmState, now: f64) -> AlarmPart {
+    let bounded = |mut answer: AnswerJson| {
+        answer.bound();
+        answer
+    };
+    let age = span(now - seconds(&of.raised));
+    let key = format!("cell {}", of.id);
+    AlarmPart {
+        number: Some(of.id),
+        answers: permitted(of).iter().take(bounds::LIST_MAX).map(AnswerJson::from).map(bounded).collect(),
+        lead: bounds::texts(&*of.lead),
+        reset: bounds::texts(&*of.reset),
+        at_order: bounds::texts(&*of.at_order),
+        lead_to: (!of.lead.is_empty()).then(|| way(of.lead_to)),
+        lead_because: bounds::text(&of.lead_because),
+        bring: (!of.bring.is_empty()).then(|| [bounds::text(&of.bring), bounds::text(&of.to_rest)]),
+        ..plain(key, "cell".to_owned(), AlarmPriority::Medium, bounds::text(&of.text), age)
+    }
+}
+
+/// A way that is not known is named so.
+fn way(code: u8) -> &'static str {
+    match code {
+        AlarmState::LEAD_EITHER => "on or back, all of them alike",
+        AlarmState::LEAD_ON => "on to the end of the task",
+        AlarmState::LEAD_BACK => "back to where the task began",
+        _ => "a way that this console does not know",
+    }
+}

@@ -1,0 +1,222 @@
+//! The page of a line, from the newest state of each node.
+
+use std::borrow::Cow;
+use std::time::Duration;
+
+use linewright_line::{Line, StationId};
+use linewright_msgs::{CellState, CycleTime, LineState, StationState};
+
+use crate::aged::{Aged, CELL_FRESH, state_fresh};
+use crate::alarms::{AlarmPart, AlarmPriority, FirstReceived, LineAlarm, of_cell, of_line};
+use crate::bounds;
+use crate::cell::{CellPart, now_of};
+use crate::lanes::LaneRecorder;
+use crate::next::NextStep;
+use crate::page::{ConsolePage, CyclePart, ModePart, StationHealth, StationPart};
+use crate::texts::{
+    OWN_EMERGENCY_STOP, ReasonsByResource, SELECTOR_AT_MANUAL, coordinator_not_received, refusal, station_not_received,
+    waits,
+};
+
+/// What is received of a line at one time. None: never.
+#[derive(Debug)]
+pub struct ConsoleInputs<'s> {
+    /// Time since the begin of the console; never less than before.
+    pub now: Duration,
+    pub line: Option<Aged<'s, LineState>>,
+    /// In the order of the description.
+    pub stations: Vec<Option<Aged<'s, StationState>>>,
+    /// Of a flexible cell.
+    pub cell: Option<Aged<'s, CellState>>,
+    pub cycle: Option<&'s CycleTime>,
+    /// The next step of recovery.
+    pub next: Option<&'s NextStep>,
+    /// Why resources of a cell are left out.
+    pub out_of_service: Cow<'s, ReasonsByResource>,
+    /// What runs with another description, and what to do.
+    pub other_descriptions: Vec<String>,
+}
+
+/// The view of one line.
+#[derive(Debug)]
+pub struct ConsoleView {
+    line: Line,
+    is_cell: bool,
+    mode_name: fn(u8) -> &'static str,
+    lanes: LaneRecorder,
+    first: FirstReceived,
+}
+
+impl ConsoleInputs<'_> {
+    /// Nothing was ever received.
+    pub fn nothing(now: Duration, line: &Line) -> Self {
+        ConsoleInputs {
+            now,
+            line: None,
+            stations: vec![None; line.stations.len()],
+            cell: None,
+            cycle: None,
+            next: None,
+            out_of_service: Cow::Owned(ReasonsByResource::new()),
+            other_descriptions: Vec::new(),
+        }
+    }
+}
+
+impl ConsoleView {
+    /// A view of this line. `mode_name`: the name of a mode by its number in the messages.
+    pub fn new(line: &Line, is_cell: bool, mode_name: fn(u8) -> &'static str) -> Self {
+        let (lanes, first) = (LaneRecorder::new(line), FirstReceived::default());
+        ConsoleView { line: line.clone(), is_cell, mode_name, lanes, first }
+    }
+
+    /// Takes a station's state when it is received, so that its lanes have motions that are shorter than the time between two pages.
+    pub fn take_station(&mut self, now: Duration, station: StationId, state: &StationState) {
+        self.lanes.take(now, station, state);
+    }
+
+    /// The page of now.
+    pub fn page(&mut self, of: &ConsoleInputs<'_>) -> ConsolePage {
+        let limit = state_fresh(&self.line);
+        let line = of.line.and_then(|line| line.fresh(limit));
+        let mut stations = Vec::new();
+        for (id, of_station) in self.line.station_ids().zip(&of.stations) {
+            match of_station.filter(|state| state.age < limit) {
+                Some(state) => self.lanes.take(of.now.saturating_sub(state.age), id, state.state),
+                None => self.lanes.lost(id),
+            }
+            stations.push(self.station(id, *of_station, line, of.next));
+        }
+        let cell = of.cell.filter(|cell| self.is_cell && cell.age < CELL_FRESH);
+        let cell_unknown = (self.is_cell && cell.is_none())
+            .then(|| station_not_received(of.cell.and_then(|cell| cell.unheard_for(CELL_FRESH))));
+        ConsolePage {
+            title: self.line.title.clone(),
+            is_cell: self.is_cell,
+            mode: self.mode(of, line),
+            other_descriptions: of.other_descriptions.clone(),
+            next: of.next.map(|next| next.text().to_owned()),
+            alarms: self.alarms(of, line, &stations, cell),
+            stations,
+            lanes: self.lanes.at(of.now, &self.line),
+            cell: cell.map(|cell| CellPart::of(cell, &of.out_of_service)),
+            cell_unknown,
+        }
+    }
+
+    fn mode(&self, of: &ConsoleInputs<'_>, line: Option<&LineState>) -> ModePart {
+        let unheard = of.line.and_then(|line| line.unheard_for(state_fresh(&self.line)));
+        let Some(state) = line else {
+            return ModePart {
+                is_known: false,
+                word: "unknown",
+                text: coordinator_not_received(unheard),
+                is_enabled: None,
+                waiting_for: Vec::new(),
+                left_out: Vec::new(),
+                restarted: Vec::new(),
+                refusal: None,
+                cycle: None,
+            };
+        };
+        ModePart {
+            is_known: true,
+            word: (self.mode_name)(state.mode),
+            text: bounds::text(&state.text),
+            is_enabled: Some(state.enabled),
+            waiting_for: bounds::texts(&*state.waiting_for),
+            left_out: bounds::texts(&*state.left_out),
+            restarted: bounds::texts(&*state.restarted),
+            refusal: refusal(state).map(|text| bounds::text(&text)),
+            cycle: of.cycle.map(|of| CyclePart { number: of.number, duration_s: of.duration_s }),
+        }
+    }
+
+    fn station(
+        &self,
+        id: StationId,
+        of: Option<Aged<'_, StationState>>,
+        line: Option<&LineState>,
+        next: Option<&NextStep>,
+    ) -> StationPart {
+        let (name, limit) = (self.line.station(id).name.clone(), state_fresh(&self.line));
+        let Some(state) = of.and_then(|of| of.fresh(limit)) else {
+            return StationPart {
+                name,
+                health: StationHealth::Unknown,
+                unknown: Some(station_not_received(of.and_then(|of| of.unheard_for(limit)))),
+                mode: None,
+                cycle: None,
+                operation: None,
+                moves: None,
+                fault: None,
+                notes: Vec::new(),
+                waits_for: Vec::new(),
+            };
+        };
+        let is_left_out = line.is_some_and(|line| line.left_out.contains(&name));
+        let is_alone = self.is_cell && line.is_some_and(|line| line.mode != StationState::MODE_ESTOP);
+        let is_stopped = state.mode == StationState::MODE_ESTOP;
+        let notes = [(state.selector_manual, SELECTOR_AT_MANUAL), (is_alone && is_stopped, OWN_EMERGENCY_STOP)];
+        let health = match () {
+            () if is_stopped => StationHealth::EmergencyStop,
+            () if !state.fault.is_empty() => StationHealth::Fault,
+            () if is_left_out => StationHealth::LeftOut,
+            () if state.selector_manual => StationHealth::Manual,
+            () => StationHealth::Ok,
+        };
+        let shown = next.map_or(Cow::Borrowed(state), |next| next.shown(id, state));
+        let waits_for = if self.is_cell { bounds::texts(waits(&shown)) } else { bounds::texts(&*shown.blocked_by) };
+        StationPart {
+            name,
+            health,
+            unknown: None,
+            mode: Some((self.mode_name)(state.mode)),
+            cycle: Some(state.cycle),
+            operation: Some(bounds::text(&state.operation)),
+            moves: Some(!state.stopped),
+            fault: (!state.fault.is_empty()).then(|| bounds::text(&state.fault)),
+            notes: notes.into_iter().filter(|(is_so, _)| *is_so).map(|(_, note)| note.to_owned()).collect(),
+            waits_for,
+        }
+    }
+
+    fn alarms(
+        &mut self,
+        of: &ConsoleInputs<'_>,
+        line: Option<&LineState>,
+        stations: &[StationPart],
+        cell: Option<Aged<'_, CellState>>,
+    ) -> Vec<AlarmPart> {
+        let alarm = |source: &str, what, priority, text: &str| LineAlarm {
+            source: source.to_owned(),
+            what,
+            priority,
+            text: text.to_owned(),
+        };
+        let mut all = match line {
+            Some(line) => of_line(line),
+            None => {
+                let unheard = of.line.and_then(|line| line.unheard_for(state_fresh(&self.line)));
+                vec![alarm("line", "not received", AlarmPriority::High, &coordinator_not_received(unheard))]
+            }
+        };
+        if !of.other_descriptions.is_empty() {
+            all.push(alarm("line", "description", AlarmPriority::High, &of.other_descriptions.join("; ")));
+        }
+        for station in stations {
+            let fault = station.fault.as_ref().map(|text| alarm(&station.name, "fault", AlarmPriority::High, text));
+            let unknown = station.unknown.as_ref();
+            let unknown = unknown.map(|text| alarm(&station.name, "not received", AlarmPriority::Medium, text));
+            all.extend(fault.into_iter().chain(unknown));
+        }
+        if self.is_cell && cell.is_none() {
+            let text = station_not_received(of.cell.and_then(|cell| cell.unheard_for(CELL_FRESH)));
+            all.push(alarm("cell", "not received", AlarmPriority::Medium, &text));
+        }
+        let mut all = self.first.aged(of.now, all);
+        all.extend(cell.into_iter().flat_map(|cell| of_cell(cell.state, now_of(cell))));
+        all.sort_by_key(|alarm| alarm.priority);
+        all
+    }
+}

@@ -1,0 +1,9 @@
+//! The tests of this crate as one program.
+
+mod answers;
+mod bench;
+mod cell;
+mod frames;
+mod lanes;
+mod next;
+mod page;
