@@ -8,6 +8,7 @@
 mod barriers;
 mod cell;
 mod explored;
+mod in_parts;
 mod larger;
 mod report;
 mod show;
