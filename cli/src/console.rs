@@ -98,6 +98,8 @@ struct ConsoleLoop {
     plan: NewestPlan,
     next: Option<NextStep>,
     cycle: Option<CycleTime>,
+    /// Life of the coordinator that `cycle` and `out_of_service` are of.
+    coordinator: Option<u64>,
     out_of_service: ReasonsByResource,
 }
 
@@ -111,6 +113,7 @@ impl ConsoleLoop {
             plan: NewestPlan::default(),
             next: None,
             cycle: None,
+            coordinator: None,
             out_of_service: ReasonsByResource::new(),
         }
     }
@@ -126,6 +129,14 @@ impl ConsoleLoop {
     fn frame(&mut self, client: &OperatorClient, cell: Option<&CellClient>) -> PageFrame {
         self.next = look(&mut self.plan, client, cell);
         let now = self.begin.elapsed();
+        let life = client.coordinator_aged().map(|aged| aged.state.boot_id);
+        if life != self.coordinator {
+            // What another one has sent is of before.
+            if self.coordinator.is_some() {
+                (self.cycle, self.out_of_service) = (None, ReasonsByResource::new());
+            }
+            self.coordinator = life;
+        }
         let page = self.view.page(&ConsoleInputs {
             now,
             line: client.coordinator_aged(),

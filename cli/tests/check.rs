@@ -207,7 +207,10 @@ fn conflicts_are_decided_in_parts_where_the_whole_line_is_too_much() {
     assert_eq!(undecided, [""; 0]);
     let of_whole = explorations[1]["properties"].to_string();
     assert!(!of_whole.contains("home can be reached"), "{of_whole}");
-    assert!(found["not_decided"].to_string().contains("no [[conflict]] joins: transfer and mill_1"), "{found}");
+    assert!(
+        found["not_decided"].to_string().contains("between which there is no [[conflict]]: transfer and mill_1"),
+        "{found}"
+    );
     assert!(
         found["not_decided"].to_string().contains("home can be reached, from every state of the whole line"),
         "{found}"

@@ -24,7 +24,9 @@ fn what_is_new_is_right_and_can_be_simulated() {
             assert!(said.contains(&format!("linewright {next} {dir}")), "{said}");
         }
         let checked = linewright(&["check", &dir]);
-        assert!(checked.status.success() && checked.stderr.is_empty(), "{kind}: {checked:?}");
+        // On a busy machine it prints for how long it has been at work.
+        let is_progress = |line: &str| line.contains("visiting") && line.contains("state");
+        assert!(checked.status.success() && text(&checked.stderr).lines().all(is_progress), "{kind}: {checked:?}");
         assert!(text(&checked.stdout).contains("✓ of_mine"), "{checked:?}");
         let simulated = linewright(&[&["simulate", &dir], simulate].concat());
         assert!(simulated.status.success() && simulated.stderr.is_empty(), "{kind}: {simulated:?}");

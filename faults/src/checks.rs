@@ -15,7 +15,7 @@ const SLACK: Duration = Duration::from_millis(60);
 
 /// What a station has sent for so long is known to a coordinator that receives it at all.
 const KNOWN: Duration = Duration::from_millis(450);
-/// Messages of one writer that another one of it overtakes on its way are fewer.
+/// A message overtakes fewer than this many others of its writer.
 const OVERTAKEN_MAX: u64 = 1000;
 /// Orders of one life that come one after another are not further apart.
 const CLOSE: Duration = Duration::from_millis(80);
@@ -63,7 +63,7 @@ impl SeenState {
         }
     }
 
-    /// It was sent before this one and arrives after it: by its number, which a forged message far from it does not have.
+    /// Whether `newer` was sent after this one, by its number. The number of a forged message is too far away to count.
     fn was_overtaken_by(&self, newer: &SeenState) -> bool {
         let by = newer.sequence.checked_sub(self.sequence);
         self.life == newer.life && by.is_some_and(|by| (1..OVERTAKEN_MAX).contains(&by))

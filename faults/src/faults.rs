@@ -258,7 +258,7 @@ impl World {
         let Some(shell) = self.stations[station].shell.as_ref().filter(|_| station != to) else { return };
         let controller = shell.controller();
         let mut report = controller.report();
-        // What it acknowledges only once its record is written is not to be known from outside.
+        // Known from outside is only what was sent: an acknowledgement is not sent before its record is written.
         report.mode_epoch = report.mode_epoch.min(self.observer.stations[station].acknowledged);
         let follows = controller.followed();
         if boot_id {

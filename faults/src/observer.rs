@@ -227,7 +227,7 @@ impl Observer {
     pub(crate) fn commanded(&mut self, node: usize, command: ModeCommand, is_stopped: bool) {
         if command == ModeCommand::Reset && is_stopped && self.stop.is_none() {
             if self.is_ending {
-                // The line's coordinator stood when people ended the stop at another one.
+                // The line's coordinator was suspended when people ended the stop at another one, and takes their reset now.
                 self.ended_there |= node == self.stations.len();
             } else {
                 self.begin_stop();

@@ -401,7 +401,8 @@ impl Index {
 
     /// Whether a position is that of the next place.
     fn is_at_end(&self, position: f64) -> bool {
-        // A motion that its switch has stopped stands at the edge of the reach; a drive is where its number says.
+        // A motion that its switch has stopped stands at the edge of the reach. With numbered places the reach is that of the number:
+        // otherwise a drive just before its place would count as being at it, and be turned on to the next.
         let reach = if self.places.is_some() { REACH } else { 1.5 * REACH };
         position >= self.home + self.by * (1.0 - reach)
     }

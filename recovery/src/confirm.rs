@@ -120,20 +120,27 @@ fn numbers_text<'c>(choices: impl Iterator<Item = &'c RejoinChoice> + Clone) -> 
     }
     let with: Vec<String> = lost.iter().map(|of| format!("--with {}=N (0 to {})", of.name, of.most())).collect();
     let names: Vec<String> = lost.iter().map(|of| format!("`{}`", of.name)).collect();
-    // Of several places the numbers stand with the command of each.
-    let known = choices.flat_map(|choice| choice.numbers.iter().map(move |of| (of, &choice.activity)));
-    let known = known.filter_map(|(of, activity)| Some((&of.parameter.name, of.known?, activity.as_deref()?)));
-    let ordered: Vec<String> =
-        known.map(|(name, number, activity)| format!("{name}={number} by its order for {activity}")).collect();
-    match (with.as_slice(), ordered.first()) {
+    let is_one = choices.clone().count() == 1;
+    let ordered = choices.clone().find_map(|choice| {
+        let activity = choice.activity.as_deref()?;
+        let known = choice.numbers.iter().filter_map(|of| Some(format!("{}={}", of.parameter.name, of.known?)));
+        let known: Vec<String> = known.collect();
+        (!known.is_empty()).then_some((known, activity))
+    });
+    match (with.as_slice(), ordered) {
         ([], None) => String::new(),
-        ([], Some(first)) => format!(", --with {first}"),
+        // Each place has numbers of its own.
+        ([], Some(_)) if !is_one => ", with the numbers that `linewright recover` lists for it".to_owned(),
+        ([], Some((known, activity))) => format!(", --with {} by its order for {activity}", known.join(" --with ")),
         (with, ordered) => format!(
-            ", {}. Its {} is lost with its journal{}: see which one the task was for. Where nobody sees it, take out what the station carries, \
-             then any will do",
+            ", {}. Its {} is lost with its journal: see which one the task was for. Where nobody sees it, take out what the station carries, \
+             then any will do{}",
             with.join(" "),
             names.join(" and "),
-            ordered.map(|first| format!(", but for {first}")).unwrap_or_default()
+            ordered.map_or_else(String::new, |(known, activity)| format!(
+                ". For {activity} its order had {}",
+                known.join(" and ")
+            ))
         ),
     }
 }

@@ -286,7 +286,9 @@ impl<'f, 'l> Search<'f, 'l> {
             let places: Vec<StationPlace> = after[station].controller.marking().collect();
             let task =
                 places.first().filter(|_| !after[station].report.at_home).and_then(|of| described.task_of(of.op));
-            let order = self.interrupted.iter().find(|of| of.station == id && Some(of.task) == task);
+            // Where several activities have ordered it with different numbers, which of them it was for is for a person to see.
+            let mut ordered = self.interrupted.iter().filter(|of| of.station == id && Some(of.task) == task);
+            let order = ordered.next().filter(|first| ordered.all(|other| other.numbers == first.numbers));
             let number = |parameter: &Parameter| ConfirmedNumber {
                 parameter: parameter.clone(),
                 known: order.and_then(|order| order.number(parameter)),

@@ -37,7 +37,7 @@ pub enum Need {
         /// The operation at whose place it is missed.
         op: OpId,
         input: InputId,
-        /// The conflicts of the line in which another station may be in its way, there or before it.
+        /// The conflicts of the line in which another station may be in its way, there or on the way there.
         conflicts: Vec<usize>,
     },
     /// A selector is to be turned to auto at the station's panel, to which this input is wired: no message does it.

@@ -85,7 +85,11 @@ fn axis_of(line: &Line, station: StationId, input: linewright_line::InputId) -> 
 fn in_the_way_text(line: &Line, conflict: usize, station: StationId) -> String {
     let conflict = &line.conflicts[conflict];
     let other = if conflict.a.station == station { conflict.b.station } else { conflict.a.station };
-    format!("; look first whether {} is in its way, there or before it ({})", line.station(other).name, conflict.why)
+    format!(
+        "; look first whether {} is in its way, there or on the way there ({})",
+        line.station(other).name,
+        conflict.why
+    )
 }
 
 impl PlannedMotion {

@@ -389,7 +389,7 @@ fn two_axes_between_switches_are_put_onto_them_by_hand() {
     unread.stations[1].as_mut().expect("it is heard").devices_valid = false;
     let by_hand = plan(&line, &unread).steps.into_iter().map(|step| step.text(&line));
     let by_hand = by_hand.filter(|text| text.contains("`positioning_slide` by hand")).collect::<Vec<_>>().concat();
-    assert!(by_hand.contains("look first whether clamp_1 is in its way, there or before it"), "{by_hand}");
+    assert!(by_hand.contains("look first whether clamp_1 is in its way, there or on the way there"), "{by_hand}");
     // Where clamp 1 is not measured closed, the slide may meet it anywhere but at home.
     let need = Need::Axis {
         station: id,
@@ -399,6 +399,6 @@ fn two_axes_between_switches_are_put_onto_them_by_hand() {
     };
     let action = RecoveryAction::First(need);
     let step = RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: None, is_doubtful: false };
-    let look = "; look first whether clamp_1 is in its way, there or before it (the tool of mill 1 is forward while clamp 1 is not closed)";
+    let look = "; look first whether clamp_1 is in its way, there or on the way there (the tool of mill 1 is forward while clamp 1 is not closed)";
     assert!(step.text(&line).ends_with(look), "{}", step.text(&line));
 }

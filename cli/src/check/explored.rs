@@ -126,6 +126,9 @@ pub struct Exploration {
     /// It has more states than were looked at, and what must never be is decided by smaller parts. The rest is open, and not listed.
     #[serde(skip)]
     pub is_left_to_parts: bool,
+    /// Stations are restarted in it, and lose their memories.
+    #[serde(skip)]
+    pub is_restarted: bool,
     /// One by one.
     pub properties: Vec<LineFinding>,
 }
@@ -287,9 +290,11 @@ impl ExploreOptions {
         let of_parts = self.by_parts(line, small, PART, each)?;
         let decided = !of_parts.is_empty() && of_parts.iter().all(Exploration::holds);
         if decided {
-            found.iter_mut().for_each(|exploration| exploration.leave_to(&of_parts));
             let further = self.whole_text();
-            found.iter_mut().for_each(|exploration| exploration.leave_open(&further));
+            for exploration in &mut found {
+                exploration.leave_to(&of_parts);
+                exploration.leave_open(&further);
+            }
         }
         found.extend(if open || decided { of_parts } else { self.restarted(line, what)? });
         Ok(found)
@@ -297,7 +302,8 @@ impl ExploreOptions {
 
     fn restarted(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
         let what = format!("{what}, restarted with memories, and in auto and hand without");
-        Ok(vec![self.one(&self.lost_memories(line), &what, self.limits(STATES))?])
+        let found = self.one(&self.lost_memories(line), &what, self.limits(STATES))?;
+        Ok(vec![Exploration { is_restarted: true, ..found }])
     }
 
     fn lost_memories(&self, line: &Line) -> LineExploration {
@@ -397,6 +403,7 @@ impl Exploration {
             help: None,
             left_out: Vec::new(),
             is_left_to_parts: false,
+            is_restarted: false,
             properties,
         }
     }
@@ -441,7 +448,7 @@ impl Exploration {
         if self.properties.len() < listed || !self.exhausted {
             self.is_left_to_parts = true;
             self.help = Some(format!(
-                "{} states are kept, and how many there are is not known: what must never be is decided by the parts below; {further}",
+                "{} states are kept, and how many there are is not known: conflicts and each station are decided by the parts below; {further}",
                 self.kept
             ));
         }

@@ -116,6 +116,7 @@ impl Exploration {
             help: None,
             left_out: Vec::new(),
             is_left_to_parts: false,
+            is_restarted: false,
             properties: conflicts.chain(whole).map(property).collect(),
         }
     }

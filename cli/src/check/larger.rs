@@ -24,8 +24,13 @@ pub fn take_over(found: &mut [Exploration], parts: &[PartFound]) {
             let names: Vec<String> =
                 found[index].properties.iter().filter(open).map(|finding| finding.name.clone()).collect();
             let mut is_settled = false;
+            let is_restarted = found[index].is_restarted;
             for name in names {
-                let of = larger.iter().find(|other| holds_in(&found[other.explorations.clone()], &name));
+                let has_setting = |other: &&&PartFound| {
+                    !is_restarted || found[other.explorations.clone()].iter().any(|of| of.is_restarted)
+                };
+                let holds = |other: &&&PartFound| holds_in(&found[other.explorations.clone()], &name);
+                let of = larger.iter().find(|other| has_setting(other) && holds(other));
                 let Some(scope) = of.map(|of| found[of.explorations.start].scope.clone()) else { continue };
                 let scope = scope.split(": ").nth(1).unwrap_or_default().to_owned();
                 for finding in found[index].properties.iter_mut().filter(|finding| finding.name == name) {
@@ -78,6 +83,7 @@ mod tests {
             help: None,
             left_out: Vec::new(),
             is_left_to_parts: false,
+            is_restarted: scope.contains("restarted"),
             properties: verdicts.iter().map(finding).collect(),
         }
     }
@@ -116,6 +122,10 @@ mod tests {
         let mut found = vec![whole(), restarted, small()];
         take_over(&mut found, &[part(&[0, 1, 2], 0..2), part(&[0, 2], 2..3)]);
         assert_eq!(found[2].properties[0].verdict, "fails");
+        // It was not restarted there at all.
+        let mut found = vec![whole(), exploration("part: a, c, restarted", &[("never: a and c meet", "fails")])];
+        take_over(&mut found, &[part(&[0, 1, 2], 0..1), part(&[0, 2], 1..2)]);
+        assert_eq!(found[1].properties[0].verdict, "fails");
         // Another one with as many stations is no larger one.
         let mut found = vec![whole(), small()];
         take_over(&mut found, &[part(&[0, 1], 0..1), part(&[0, 2], 1..2)]);

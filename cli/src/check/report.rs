@@ -28,8 +28,8 @@ const NOT_EXPLORED: [&str; 2] = [
 const RING: &str = "what a report can do that arrives after newer ones were sent: stations of this line wait for each \
      other in a ring of three or more, where that may matter";
 /// Question that parts leave open.
-const IN_PARTS: &str =
-    "whether every wait ends and home can be reached, from every state of the whole line: parts decide conflicts alone";
+const IN_PARTS: &str = "whether every wait ends, stations stay within the cycles of their arrows, and home can be reached, from every state of the whole line: \
+     parts decide conflicts and each station alone";
 /// Reported as not decided for a line without its cell that has conflicts of tasks.
 const TASKS: &str = "whether tasks in conflict are ordered at once: a cell's description says what is ordered";
 
@@ -168,7 +168,7 @@ fn pairs_without_conflict(line: &Line) -> Option<String> {
     if more > 0 {
         named.push(format!("{more} more pairs"));
     }
-    Some(format!("whether mechanisms of stations can collide that no [[conflict]] joins: {}", named.join(", ")))
+    Some(format!("whether stations can collide between which there is no [[conflict]]: {}", named.join(", ")))
 }
 
 /// Checks a description that parses: by structure, then by exploring it by `options`.

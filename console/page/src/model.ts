@@ -19,7 +19,7 @@ export interface StationLanes {
   lanes: Lane[];
 }
 
-export type Health = "unknown" | "emergency_stop" | "fault" | "left_out" | "manual" | "ok";
+export type Health = "unknown" | "emergency_stop" | "fault" | "left_out" | "not_ready" | "manual" | "ok";
 
 export interface Station {
   name: string;

@@ -27,11 +27,13 @@ impl OwnNames {
     /// Those of a server that listens here.
     pub fn of(address: SocketAddr) -> Self {
         let port = address.port();
-        let hosts = ["127.0.0.1".to_owned(), "localhost".to_owned(), "[::1]".to_owned()];
-        let with_port = hosts.iter().map(|host| format!("{host}:{port}")).chain([address.to_string()]);
+        let mut names: Vec<String> = ["127.0.0.1", "localhost", "[::1]"].map(|host| format!("{host}:{port}")).into();
+        names.push(address.to_string());
         // Browsers leave out the port of HTTP.
-        let without = hosts.iter().filter(|_| port == 80).cloned();
-        OwnNames(with_port.chain(without).collect())
+        let without: Vec<String> =
+            names.iter().filter_map(|name| name.strip_suffix(":80")).map(str::to_owned).collect();
+        names.extend(without);
+        OwnNames(names)
     }
 
     /// Checks a request by all its `Host` and `Origin` headers.

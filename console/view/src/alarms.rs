@@ -107,7 +107,9 @@ impl FirstReceived {
     pub fn aged(&mut self, now: Duration, alarms: Vec<LineAlarm>) -> Vec<AlarmPart> {
         let mut before = std::mem::take(&mut self.0);
         let mut aged = |alarm: LineAlarm| {
-            let key = format!("{} {}", alarm.source, alarm.what);
+            // Another fault of the same station is another alarm.
+            let of = if alarm.what == "fault" { alarm.text.as_str() } else { "" };
+            let key = format!("{} {} {of}", alarm.source, alarm.what);
             let since = *self.0.entry(key.clone()).or_insert(before.remove(&key).unwrap_or(now));
             let age = format!("shown for {}", span(now.saturating_sub(since).as_secs_f64()));
             (since, plain(key, alarm.source, alarm.priority, alarm.text, age))

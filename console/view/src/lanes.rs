@@ -1,4 +1,4 @@
-//! LaneRecorder of operations over the last two minutes, from the states of stations.
+//! Lanes of operations over the last two minutes, from the states of stations.
 //!
 //! What was not received is a stretch of its own kind, from the last state on: a motion is never shown as going on where nothing is
 //! known of it. A process that was started anew is not known between its last state and the first new one.

@@ -22,7 +22,7 @@ pub struct ConsolePage {
     pub stations: Vec<StationPart>,
     /// In the order of the description.
     pub lanes: Vec<StationLanes>,
-    /// By priority, then by age.
+    /// By priority; of one priority those without a time of their own first, then those of the cell.
     pub alarms: Vec<AlarmPart>,
     /// None of a line, and while the state of the cell is not received.
     pub cell: Option<CellPart>,
@@ -73,6 +73,8 @@ pub enum StationHealth {
     Fault,
     /// Left out of the mode decision.
     LeftOut,
+    /// Its I/O devices are not received, or its position is not known.
+    NotReady,
     /// Its selector stands at manual.
     Manual,
     Ok,

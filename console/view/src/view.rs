@@ -162,6 +162,7 @@ impl ConsoleView {
             () if is_stopped => StationHealth::EmergencyStop,
             () if !state.fault.is_empty() => StationHealth::Fault,
             () if is_left_out => StationHealth::LeftOut,
+            () if !state.devices_valid || state.position_lost => StationHealth::NotReady,
             () if state.selector_manual => StationHealth::Manual,
             () => StationHealth::Ok,
         };

@@ -49,6 +49,7 @@ impl ViewBench {
             mode: StationState::MODE_AUTO,
             boot_id: 1,
             stopped: true,
+            devices_valid: true,
             operation: "at rest".to_owned(),
             places: vec![StationState::PLACE_COMPLETED; operations],
             done: vec![0; operations],

@@ -1,4 +1,4 @@
-//! LaneRecorder: what an operation did, and nothing that is not known.
+//! Lanes: what an operation did, and nothing that is not known.
 
 use linewright_console_view::{LANE_WINDOW, LaneStretch, STRETCHES_MAX, StretchKind};
 use linewright_line::StationId;

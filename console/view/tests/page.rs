@@ -28,6 +28,8 @@ fn a_state_is_shown_until_it_is_too_old_and_never_longer() {
     assert_eq!((page.mode.is_known, page.mode.word), (true, "auto"));
     assert!(page.alarms.is_empty(), "{:?}", page.alarms);
     assert!(page.stations.iter().all(|of| of.health == StationHealth::Ok && of.operation.is_some()));
+    bench.stations[0].as_mut().expect("received").0.devices_valid = false;
+    assert_eq!(bench.page(last).stations[0].health, StationHealth::NotReady);
     let page = bench.page(last + 1);
     assert_eq!((page.mode.is_known, page.mode.word, page.mode.is_enabled), (false, "unknown", None));
     assert!(page.stations.iter().all(|of| of.health == StationHealth::Unknown && of.operation.is_none()));

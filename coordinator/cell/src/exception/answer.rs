@@ -28,8 +28,10 @@ impl Coordination {
         word: &str,
         out: &mut PlayerOutbox,
     ) -> Result<(), AlarmAnswerRefusal> {
-        let about = self.state.exceptions().alarm(alarm).ok_or(AlarmAnswerRefusal::NoSuchAlarm)?.about;
-        match about {
+        let asked = self.state.exceptions().alarm(alarm).ok_or(AlarmAnswerRefusal::NoSuchAlarm)?;
+        let is_permitted = asked.words.iter().any(|permitted| permitted == word);
+        match asked.about {
+            AlarmSubject::Resource(_) if !is_permitted => Err(AlarmAnswerRefusal::NoSuchWord),
             AlarmSubject::Resource(resource) if word == alarm::UP => self.try_up(now, resource, out),
             AlarmSubject::Resource(resource) if word == alarm::GONE => self.try_gone(now, resource, out),
             AlarmSubject::Resource(_) => Err(AlarmAnswerRefusal::NoSuchWord),
@@ -171,8 +173,13 @@ impl Coordination {
         }
         let (mode, part) = self.state.resting(resource).ok_or(AlarmAnswerRefusal::NoSuchWord)?;
         let station = self.state.table().handling().resource(resource).and_then(|of| of.station);
-        // What a station reported that is not heard any more may be so no longer.
+        // What a station reported that is not heard any more may be so no longer. One that was not heard yet, as after a start, is waited for.
         let is_heard = station.is_some_and(|station| self.fresh(now, station).is_some());
+        let lost_after = self.state.table().handling().lost_after;
+        let is_lost = |id| lost_after.is_some_and(|lost_after| self.watch.last(id) + lost_after <= now);
+        if let Some(station) = station.filter(|&id| !is_heard && !is_lost(id)) {
+            return Err(AlarmAnswerRefusal::NotHeard(station));
+        }
         if is_heard && self.presence(resource) == Presence::On {
             return Err(AlarmAnswerRefusal::HasPart(resource));
         }

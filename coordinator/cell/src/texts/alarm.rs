@@ -347,9 +347,13 @@ impl AlarmText<'_> {
                     stopped.iter().map(|name| format!("`linewright resource … {name} reset`")).collect();
                 let reset = if reset.is_empty() { String::new() } else { format!("{}, then ", reset.join(" and ")) };
                 let lead = match why {
-                    Some((LeadDirection::On, because)) => format!(": on where presses lead on, since {because}"),
-                    Some((LeadDirection::Back, because)) => format!(": back where presses lead back, since {because}"),
-                    None if stations.len() > 1 => ": all on or all back".to_owned(),
+                    Some((LeadDirection::On, because)) => {
+                        format!(": to the end of the task where it lists a way there, since {because}")
+                    }
+                    Some((LeadDirection::Back, because)) => {
+                        format!(": back to where the task began where it lists a way there, since {because}")
+                    }
+                    None if stations.len() > 1 => ": all to the end or all back".to_owned(),
                     None => String::new(),
                 };
                 // Which way presses lead is found by a search, which is not done here.

@@ -52,7 +52,7 @@ fn its_stations_stop_and_the_resources_are_left_out() {
     assert!(bench.at("m1").is_held && bench.at("robot").is_held);
     let first = ["robot", "m1"].map(|name| format!("`linewright resource … {name} reset`")).join(" and ");
     assert!(
-        text.starts_with(&format!("First {first}, then lead robot and m1 to a rest in manual, as `linewright recover` lists it: all on or all back. ")),
+        text.starts_with(&format!("First {first}, then lead robot and m1 to a rest in manual, as `linewright recover` lists it: all to the end or all back. ")),
         "{text}"
     );
     let asked = ResourceRequest::Answer(bench.alarm().id);

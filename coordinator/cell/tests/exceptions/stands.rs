@@ -187,7 +187,7 @@ fn no_answer_closes_an_activity_whose_station_stands_half_way() {
     let text = bench.alarm().text.clone();
     assert!(
         text.starts_with(
-            "First lead robot to a rest in manual, as `linewright recover` lists it: back where presses lead back, since m1 stands \
+            "First lead robot to a rest in manual, as `linewright recover` lists it: back to where the task began where it lists a way there, since m1 stands \
              where its order began. R came to M1"
         ),
         "{text}"
@@ -412,7 +412,7 @@ fn an_alarm_gives_the_way_on_which_its_stations_are_led() {
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let text = bench.alarm_now();
     // Whether presses lead on is not known here: a way that is not there is not ordered.
-    let first = "First lead robot to a rest in manual, as `linewright recover` lists it: on where presses lead on, since m1 has completed its order. ";
+    let first = "First lead robot to a rest in manual, as `linewright recover` lists it: to the end of the task where it lists a way there, since m1 has completed its order. ";
     assert!(text.starts_with(first), "{text}");
     assert_eq!(way(&bench), Some((1, LeadDirection::On)));
     for (rest, direction) in [(OPEN, LeadDirection::Back), (CLAMPED, LeadDirection::On)] {
@@ -424,7 +424,8 @@ fn an_alarm_gives_the_way_on_which_its_stations_are_led() {
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);
     (bench.at("robot").is_stuck, bench.at("m1").is_stuck) = (true, true);
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
-    let first = "First lead robot and m1 to a rest in manual, as `linewright recover` lists it: all on or all back. ";
+    let first =
+        "First lead robot and m1 to a rest in manual, as `linewright recover` lists it: all to the end or all back. ";
     assert!(bench.alarm_now().starts_with(first), "{}", bench.alarm_now());
     assert_eq!(way(&bench), None);
     let now = bench.sim.now;

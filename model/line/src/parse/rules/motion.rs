@@ -24,9 +24,13 @@ pub(super) fn motions_chain(station: &DraftStation<'_>, report: &mut Report) {
         return;
     }
     let problems = gaps(station, home.value);
-    let fits = |op: &OpId| gaps(station, *op).is_empty();
-    let other = (0..station.operations.len()).map(OpId::at).find(|op| !problems.is_empty() && fits(op));
-    let Some(other) = other else { return problems.into_iter().for_each(|problem| report.add(problem)) };
+    if problems.is_empty() {
+        return;
+    }
+    let Some(other) = (0..station.operations.len()).map(OpId::at).find(|&op| gaps(station, op).is_empty()) else {
+        problems.into_iter().for_each(|problem| report.add(problem));
+        return;
+    };
     // Nothing is wrong but where the cycle begins.
     let name = |op: OpId| station.operation(op).name;
     let message = format!(
