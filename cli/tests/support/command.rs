@@ -50,6 +50,11 @@ pub fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).expect("output is text")
 }
 
+/// Whether nothing was printed beside the output of a check, but for how long it has been at work on a busy machine.
+pub fn is_quiet(output: &Output) -> bool {
+    text(&output.stderr).lines().all(|line| line.contains("visiting") && line.contains("state"))
+}
+
 /// Output as one JSON object.
 pub fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
