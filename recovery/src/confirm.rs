@@ -137,10 +137,12 @@ fn numbers_text<'c>(choices: impl Iterator<Item = &'c RejoinChoice> + Clone) -> 
              then any will do{}",
             with.join(" "),
             names.join(" and "),
-            ordered.map_or_else(String::new, |(known, activity)| format!(
-                ". For {activity} its order had {}",
-                known.join(" and ")
-            ))
+            match ordered {
+                None => String::new(),
+                Some(_) if !is_one =>
+                    ". Where the order of a place is known, `linewright recover` lists the numbers with it".to_owned(),
+                Some((known, activity)) => format!(". For {activity} its order had {}", known.join(" and ")),
+            }
         ),
     }
 }

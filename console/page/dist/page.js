@@ -133,15 +133,15 @@ t5=r4&&r4.s!==void 0;for(var f5 in n3)return!0;if(this.__f||typeof this.u=="bool
 4&this.__$f)||3&this.__$f)return!0;for(var e4 in i4)if(e4!=="__source"&&i4[e4]!==this.props[e4])return!0;for(var u4 in this.props)if(!(u4 in i4))return!0;return!1};
 function useSignal(i4,n3){return w2(function(){return y3(i4,n3)},[])}var A3=function(i4){queueMicrotask(function(){queueMicrotask(i4)})};function F3(){r3(function(){for(var i4;i4=g4.shift();)h4.call(i4)})}function M(){g4.push(this)===1&&(n.requestAnimationFrame||A3)(F3)}var t4={overview:"Overview",chart:"Chart",alarms:"Alarms",cell:"Cell",waiting:"Waiting",pages:"Pages",mode:"Mode",unknown:"unknown",not_all:"not acknowledged by",
 left_out:"Left out",restarted:"Restarted",next:"Next step of recovery",all_steps:"all: linewright recover",cycle:"Last cycle",no_cycle:"none yet",station:"Stati\
-on",health:"State",operation:"Operation",count:"Cycle",alarms_none:"no alarms",more_alarms:count=>`${count} alarms`,priority:"Priority",state:"State",source:"Fr\
-om",age:"Age",text:"What has happened, and what to do",answers:"Answers",lead:"Before the answer, lead to a rest by hand",way:"Which way",reset:"First reset",at_order:"\
-Still at its order",bring:(station,rest)=>`Before the answer, bring ${station} to ${rest} in hand mode`,parts:"Parts",inside:(inside,left)=>`${inside} inside, ${left}\
- have left`,nothing_starts:"nothing starts",in_progress:"In progress",failed:"failed",orders:"Orders",open:count=>`${count} not over`,out_of_service:"Out of ser\
-vice",part:"Part",stage:"Stage",place:"Place",order:"Order",due:"Due",none:"none",waits_for:"Waits for",waits_for_nothing:"waits for nothing",ago:seconds=>`−${seconds}\
- s`,now:"now",window:"Time shown",seconds:seconds=>`${seconds} s`,legend:"Legend",at_rest:"at rest",lost:seconds=>`No connection to the console for ${seconds} s\
-. Values that are struck through are from before.`,never:"No connection to the console yet.",reads_only:"This page reads. It commands nothing."},health={unknown:"\
-unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"\
-under way back",halted:"begun, stands",stopped:"stopped before its end",unknown:"unknown"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
+on",health:"State",operation:"Operation",count:"Cycle",alarms_none:"no alarms",more_alarms:count=>count===1?"1 alarm":`${count} alarms`,priority:"Priority",state:"\
+State",source:"From",age:"Age",text:"What has happened, and what to do",answers:"Answers",lead:"Before the answer, lead to a rest by hand",way:"Which way",reset:"\
+First reset",at_order:"Still at its order",bring:(station,rest)=>`Before the answer, bring ${station} to ${rest} in hand mode`,parts:"Parts",inside:(inside,left)=>`${inside}\
+ inside, ${left} have left`,nothing_starts:"nothing starts",in_progress:"In progress",failed:"failed",orders:"Orders",open:count=>`${count} not over`,out_of_service:"\
+Out of service",part:"Part",stage:"Stage",place:"Place",order:"Order",due:"Due",none:"none",waits_for:"Waits for",waits_for_nothing:"waits for nothing",ago:seconds=>`\
+−${seconds} s`,now:"now",window:"Time shown",seconds:seconds=>`${seconds} s`,legend:"Legend",at_rest:"at rest",lost:seconds=>`No connection to the console for\
+ ${seconds} s. Values that are struck through are from before.`,never:"No connection to the console yet.",reads_only:"This page reads. It commands nothing."},health={
+unknown:"unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",
+undoing:"under way back",halted:"begun, stands",stopped:"stopped before its end",unknown:"unknown"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
 props:p5,key:n3,ref:c4,__k:null,__:null,__b:0,__e:null,__c:null,constructor:f4,__v:--o4,__i:-1,__u:0};return(a5||i4)&&(s4.__source=a5,s4.__self=i4),n.vnode&&n.vnode(
 s4),s4}var WINDOWS_S=[12,30,60,120],WIDTH=1e3,HEIGHT=18,window_s=y3(30);function bar(stretch,now_ms,span_ms){let x3=at2=>WIDTH*(1-(now_ms-at2)/span_ms),from=Math.max(0,
 x3(stretch.from_ms)),to=x3(stretch.to_ms??now_ms);return to<=0?null:a4("rect",{class:`bar ${stretch.kind}`,x:from,y:"2",width:Math.max(to-from,1),height:HEIGHT-

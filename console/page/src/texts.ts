@@ -23,7 +23,7 @@ export const t = {
   operation: "Operation",
   count: "Cycle",
   alarms_none: "no alarms",
-  more_alarms: (count: number) => `${count} alarms`,
+  more_alarms: (count: number) => (count === 1 ? "1 alarm" : `${count} alarms`),
   priority: "Priority",
   state: "State",
   source: "From",
