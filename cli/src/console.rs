@@ -3,7 +3,6 @@
 //! A ROS 2 node as that of `watch`: the page is made of what the nodes publish. What makes it and what takes the states in is one loop;
 //! where that stands, no frame is sent, and every page shows that it is cut off.
 
-use std::borrow::Cow;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -11,9 +10,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::Args as ClapArgs;
-use futures::future::LocalBoxFuture;
 use linewright_console_server::PageServer;
-use linewright_console_view::{ConsoleInputs, ConsoleView, NextStep, PageFeed, PageFrame, ReasonsByResource};
+use linewright_console_view::{ConsoleInputs, ConsoleView, PageFeed, PageFrame, ReasonsByResource};
 use linewright_line::{Line, StationId};
 use linewright_msgs::CycleTime;
 use linewright_node_shell::{RosArgs, forward, qos};
@@ -27,7 +25,7 @@ use crate::load;
 use crate::recover::NewestPlan;
 use crate::states::mode_name;
 use crate::watch::next::look;
-use crate::watch::{REASONS_EVERY, answered, next_of};
+use crate::watch::{AskedReasons, REASONS_EVERY, next_of};
 
 /// Show a running line in a browser on this machine.
 #[derive(Debug, ClapArgs)]
@@ -65,7 +63,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut ticks = tokio::time::interval(FRAME_EVERY);
     ticks.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     let mut reasons = tokio::time::interval(REASONS_EVERY);
-    let mut asked: Option<LocalBoxFuture<'static, ReasonsByResource>> = None;
+    let mut asked = AskedReasons::default();
     let mut interrupts = Interrupts::listen()?;
     loop {
         tokio::select! {
@@ -74,14 +72,8 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
             },
             heard = next_of(&mut cell) => heard?,
             Some(cycle) = cycles.recv() => console.cycle = Some(cycle),
-            known = answered(&mut asked) => {
-                console.out_of_service = known;
-                asked = None;
-            }
-            _ = reasons.tick() => if let Some(cell) = cell.as_ref().filter(|_| asked.is_none()) {
-                let down = cell.heard_lately().map(|state| state.down.as_slice().to_vec()).unwrap_or_default();
-                asked = Some(Box::pin(cell.reasons(down)));
-            },
+            known = asked.reply() => console.out_of_service = known,
+            _ = reasons.tick() => asked.ask(cell.as_ref(), CellClient::heard_lately),
             _ = ticks.tick() => drop(frames.send_replace(Some(Arc::new(console.frame(&client, cell.as_ref()))))),
             () = interrupts.next() => break,
         }
@@ -91,12 +83,10 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
 
 /// What the console keeps beside the newest states.
 struct ConsoleLoop {
-    line: Line,
     begin: Instant,
     view: ConsoleView,
     feed: PageFeed,
     plan: NewestPlan,
-    next: Option<NextStep>,
     cycle: Option<CycleTime>,
     /// Life of the coordinator that `cycle` and `out_of_service` are of.
     coordinator: Option<u64>,
@@ -106,12 +96,10 @@ struct ConsoleLoop {
 impl ConsoleLoop {
     fn new(line: &Line, is_cell: bool) -> Self {
         ConsoleLoop {
-            line: line.clone(),
             begin: Instant::now(),
             view: ConsoleView::new(line, is_cell, mode_name),
             feed: PageFeed::default(),
             plan: NewestPlan::default(),
-            next: None,
             cycle: None,
             coordinator: None,
             out_of_service: ReasonsByResource::new(),
@@ -127,7 +115,7 @@ impl ConsoleLoop {
 
     /// The frame of now.
     fn frame(&mut self, client: &OperatorClient, cell: Option<&CellClient>) -> PageFrame {
-        self.next = look(&mut self.plan, client, cell);
+        let next = look(&mut self.plan, client, cell);
         let now = self.begin.elapsed();
         let life = client.coordinator_aged().map(|aged| aged.state.boot_id);
         if life != self.coordinator {
@@ -140,11 +128,11 @@ impl ConsoleLoop {
         let page = self.view.page(&ConsoleInputs {
             now,
             line: client.coordinator_aged(),
-            stations: self.line.station_ids().map(|id| client.station_aged(id)).collect(),
+            stations: client.line().station_ids().map(|id| client.station_aged(id)).collect(),
             cell: cell.and_then(CellClient::aged),
             cycle: self.cycle.as_ref(),
-            next: self.next.as_ref(),
-            out_of_service: Cow::Borrowed(&self.out_of_service),
+            next: next.as_ref(),
+            out_of_service: &self.out_of_service,
             other_descriptions: client.other_descriptions(),
         });
         self.feed.frame(now, &page)

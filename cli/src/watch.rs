@@ -60,20 +60,14 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut ticks = tokio::time::interval(PICTURE_EVERY);
     let mut reasons = tokio::time::interval(REASONS_EVERY);
     // A reply is waited for beside the picture.
-    let mut asked: Option<LocalBoxFuture<'static, ReasonsByResource>> = None;
+    let mut asked = AskedReasons::default();
     let mut interrupts = Interrupts::listen()?;
     loop {
         tokio::select! {
             heard = client.next() => drop(view.take(&heard?)),
             heard = next_of(&mut cell) => heard?,
-            known = answered(&mut asked) => {
-                view.out_of_service = known;
-                asked = None;
-            }
-            _ = reasons.tick() => if let Some(cell) = cell.as_ref().filter(|_| asked.is_none()) {
-                let down = cell.state().map(|state| state.down.as_slice().to_vec()).unwrap_or_default();
-                asked = Some(Box::pin(cell.reasons(down)));
-            },
+            known = asked.reply() => view.out_of_service = known,
+            _ = reasons.tick() => asked.ask(cell.as_ref(), CellClient::state),
             _ = ticks.tick() => {
                 view.look(&client, cell.as_ref());
                 let state = cell.as_ref().and_then(CellClient::heard_lately);
@@ -127,11 +121,24 @@ pub async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
     }
 }
 
-/// Waits for the reply that is asked for; for ever where none is.
-pub async fn answered(asked: &mut Option<LocalBoxFuture<'static, ReasonsByResource>>) -> ReasonsByResource {
-    match asked {
-        Some(asked) => asked.await,
-        None => std::future::pending().await,
+/// A request for the reasons why resources are left out, while its reply is awaited.
+#[derive(Default)]
+pub struct AskedReasons(Option<LocalBoxFuture<'static, ReasonsByResource>>);
+
+impl AskedReasons {
+    /// Asks for what is down by this state of the cell, unless a reply is awaited.
+    pub fn ask(&mut self, cell: Option<&CellClient>, state: fn(&CellClient) -> Option<&CellState>) {
+        let Some(cell) = cell.filter(|_| self.0.is_none()) else { return };
+        let down = state(cell).map(|state| state.down.as_slice().to_vec()).unwrap_or_default();
+        self.0 = Some(Box::pin(cell.reasons(down)));
+    }
+
+    /// Waits for the reply; for ever where none is awaited.
+    pub async fn reply(&mut self) -> ReasonsByResource {
+        let Some(asked) = &mut self.0 else { return std::future::pending().await };
+        let known = asked.await;
+        self.0 = None;
+        known
     }
 }
 

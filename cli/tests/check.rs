@@ -190,7 +190,8 @@ fn a_limit_leaves_it_undecided_and_is_no_yes() {
     assert!(out.contains("the limit of memory was reached") && out.contains("`--memory 2`"), "{out}");
 }
 
-/// Enough for parts and not for the whole: what must never be is decided, and of the ways home nothing is said, as of larger lines.
+/// The limit of states suffices for the parts and not for the whole line: conflicts are decided. Whether home can be reached is listed as not
+/// decided, as for lines of more stations.
 #[test]
 fn conflicts_are_decided_in_parts_where_the_whole_line_is_too_much() {
     let output = linewright(&["check", shipped().to_str().unwrap(), "--states", "100000", "--json"]);

@@ -1,4 +1,5 @@
-//! The places that a person may confirm, in words: how the station stands there, and the commands.
+//! Texts and commands of the confirmation of a station's position by a person (`linewright rejoin`): how the station stands in each place
+//! that its switches permit, and the command for it.
 
 use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{AxisId, Line, OpId, Parameter, StationId};

@@ -315,16 +315,15 @@ impl<'f, 'l> Search<'f, 'l> {
         let is_kept = |op: OpId| report.placed && marked.contains(&op);
         fitting
             .sort_by_key(|(op, of, _)| (!is_kept(*op), of.activity.is_none(), !marked.contains(op), !is_of_task(*op)));
-        let at = |op: OpId| {
-            let at = fitting.iter().find(|(of, ..)| *of == op)?.1.clone();
-            let or = fitting.iter().filter(|(of, ..)| *of != op).map(|(_, of, _)| of.clone()).collect();
-            Some(RecoveryAction::Rejoin { station: id, at, or })
+        let rejoin = |nth: usize| {
+            let mut or: Vec<RejoinChoice> = fitting.iter().map(|(_, of, _)| of.clone()).collect();
+            let at = or.remove(nth);
+            RecoveryAction::Rejoin { station: id, at, or }
         };
         let kept = fitting.iter().filter(|(op, ..)| is_kept(*op)).count();
         let ordered = fitting.iter().filter(|(_, of, _)| of.activity.is_some()).count();
-        let assumed = [kept, ordered, fitting.len()].into_iter().find(|&count| count > 0).unwrap_or_default();
-        let assumed = fitting.iter().take(assumed);
-        assumed.filter_map(|(op, _, after)| Some(still(at(*op)?, after.clone()))).collect()
+        let assumed = [kept, ordered].into_iter().find(|&count| count > 0).unwrap_or(fitting.len());
+        (0..assumed).map(|nth| still(rejoin(nth), fitting[nth].2.clone())).collect()
     }
 }
 

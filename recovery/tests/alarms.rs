@@ -397,7 +397,8 @@ fn a_number_that_the_journal_has_is_not_asked_for() {
     assert!(!commands[0].contains(&"--with".to_owned()), "{text}: {commands:?}");
 }
 
-/// The choices of a station without its journal could not be told apart, and the slot was asked for that its order has.
+/// Of a station without its journal several places fit the switches. Each is listed with the positions of its axes, and the number of the
+/// slot is that of its order; positions were missing, and the number was asked for.
 #[test]
 fn places_that_may_be_confirmed_are_told_apart_and_have_the_numbers_of_their_order() {
     let (line, mut seen) = two_are_left_out(ControlMode::StandBy);

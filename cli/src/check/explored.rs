@@ -291,10 +291,7 @@ impl ExploreOptions {
         let decided = !of_parts.is_empty() && of_parts.iter().all(Exploration::holds);
         if decided {
             let further = self.whole_text();
-            for exploration in &mut found {
-                exploration.leave_to(&of_parts);
-                exploration.leave_open(&further);
-            }
+            found.iter_mut().for_each(|exploration| exploration.leave_open(&further));
         }
         found.extend(if open || decided { of_parts } else { self.restarted(line, what)? });
         Ok(found)
@@ -430,22 +427,11 @@ impl Exploration {
         self.properties.iter().any(|property| property.verdict == verdict)
     }
 
-    /// Leaves out what is undecided here and holds in parts.
-    fn leave_to(&mut self, parts: &[Exploration]) {
-        let of_parts = || parts.iter().flat_map(|part| &part.properties);
-        self.properties.retain(|property| {
-            property.verdict != "undecided"
-                || !property.holds_by_parts
-                || !of_parts().any(|other| other.name == property.name && other.verdict == "holds")
-        });
-    }
-
-    /// What is undecided still is no verdict on the line: of larger lines, which are explored in parts alone, it is not asked. `further`
-    /// says how it is looked at.
+    /// Leaves out the properties that this exploration does not decide, where smaller parts decide the conflicts: of lines that are explored in
+    /// parts alone they are not listed either. `further`: the options with which they are explored, as text.
     fn leave_open(&mut self, further: &str) {
-        let listed = self.properties.len();
         self.properties.retain(|property| property.verdict != "undecided");
-        if self.properties.len() < listed || !self.exhausted {
+        if !self.exhausted {
             self.is_left_to_parts = true;
             self.help = Some(format!(
                 "{} states are kept, and how many there are is not known: conflicts and each station are decided by the parts below; {further}",

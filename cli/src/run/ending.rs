@@ -66,7 +66,7 @@ fn unobserved(conflicts: &[String], line: &str) -> Option<String> {
         more => format!("{more} conflicts"),
     };
     Some(format!(
-        "{number} cannot be seen in CAN frames. Whether they can be reached: `linewright check {}`; which they are: `linewright run --json`",
+        "{number} cannot be seen in CAN frames: `linewright check {}` decides about all; `run --json` names them",
         crate::out::shell_word(line)
     ))
 }

@@ -132,16 +132,16 @@ i4(n3)});b2("__h",function(i4,n3,r4,t5){t5<3&&(n3.__$f|=2),i4(n3,r4,t5)});x.prot
 t5=r4&&r4.s!==void 0;for(var f5 in n3)return!0;if(this.__f||typeof this.u=="boolean"&&this.u===!0){var o5=2&this.__$f;if(!(t5||o5||4&this.__$f)||1&this.__$f)return!0}else if(!(t5||
 4&this.__$f)||3&this.__$f)return!0;for(var e4 in i4)if(e4!=="__source"&&i4[e4]!==this.props[e4])return!0;for(var u4 in this.props)if(!(u4 in i4))return!0;return!1};
 function useSignal(i4,n3){return w2(function(){return y3(i4,n3)},[])}var A3=function(i4){queueMicrotask(function(){queueMicrotask(i4)})};function F3(){r3(function(){for(var i4;i4=g4.shift();)h4.call(i4)})}function M(){g4.push(this)===1&&(n.requestAnimationFrame||A3)(F3)}var t4={overview:"Overview",chart:"Chart",alarms:"Alarms",cell:"Cell",waiting:"Waiting",pages:"Pages",mode:"Mode",unknown:"unknown",not_all:"not acknowledged by",
-left_out:"Left out",restarted:"Restarted",next:"Next step of recovery",all_steps:"all: linewright recover",cycle:"Last cycle",no_cycle:"none yet",station:"Stati\
-on",health:"State",operation:"Operation",count:"Cycle",alarms_none:"no alarms",more_alarms:count=>count===1?"1 alarm":`${count} alarms`,priority:"Priority",state:"\
-State",source:"From",age:"Age",text:"What has happened, and what to do",answers:"Answers",lead:"Before the answer, lead to a rest by hand",way:"Which way",reset:"\
-First reset",at_order:"Still at its order",bring:(station,rest)=>`Before the answer, bring ${station} to ${rest} in hand mode`,parts:"Parts",inside:(inside,left)=>`${inside}\
- inside, ${left} have left`,nothing_starts:"nothing starts",in_progress:"In progress",failed:"failed",orders:"Orders",open:count=>`${count} not over`,out_of_service:"\
-Out of service",part:"Part",stage:"Stage",place:"Place",order:"Order",due:"Due",none:"none",waits_for:"Waits for",waits_for_nothing:"waits for nothing",ago:seconds=>`\
-−${seconds} s`,now:"now",window:"Time shown",seconds:seconds=>`${seconds} s`,legend:"Legend",at_rest:"at rest",lost:seconds=>`No connection to the console for\
- ${seconds} s. Values that are struck through are from before.`,never:"No connection to the console yet.",reads_only:"This page reads. It commands nothing."},health={
-unknown:"unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",
-undoing:"under way back",halted:"begun, stands",stopped:"stopped before its end",unknown:"unknown"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
+left_out:"Left out",restarted:"Restarted",next:"Next step of recovery",all_steps:"all: linewright recover",cycle:"Last cycle",no_cycle:"none yet",count:"Cycle",
+alarms_none:"no alarms",more_alarms:count=>count===1?"1 alarm":`${count} alarms`,priority:"Priority",state:"State",source:"From",age:"Age",text:"What has happen\
+ed, and what to do",answers:"Answers",lead:"Before the answer, lead to a rest by hand",way:"Which way",reset:"First reset",at_order:"Still at its order",bring:(station,rest)=>`\
+Before the answer, bring ${station} to ${rest} in hand mode`,parts:"Parts",inside:(inside,left)=>`${inside} inside, ${left} have left`,nothing_starts:"nothing s\
+tarts",in_progress:"In progress",failed:"failed",orders:"Orders",open:count=>`${count} not over`,out_of_service:"Out of service",part:"Part",stage:"Stage",place:"\
+Place",order:"Order",none:"none",waits_for:"Waits for",waits_for_nothing:"waits for nothing",ago:seconds=>`−${seconds} s`,now:"now",window:"Time shown",seconds:seconds=>`${seconds}\
+ s`,legend:"Legend",at_rest:"at rest",lost:seconds=>`No connection to the console for ${seconds} s. Values that are struck through are from before.`,never:"No c\
+onnection to the console yet.",reads_only:"This page reads. It commands nothing."},health={unknown:"unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"\
+left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"under way back",halted:"begun, stands",stopped:"stopped before it\
+s end",unknown:"unknown"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
 props:p5,key:n3,ref:c4,__k:null,__:null,__b:0,__e:null,__c:null,constructor:f4,__v:--o4,__i:-1,__u:0};return(a5||i4)&&(s4.__source=a5,s4.__self=i4),n.vnode&&n.vnode(
 s4),s4}var WINDOWS_S=[12,30,60,120],WIDTH=1e3,HEIGHT=18,window_s=y3(30);function bar(stretch,now_ms,span_ms){let x3=at2=>WIDTH*(1-(now_ms-at2)/span_ms),from=Math.max(0,
 x3(stretch.from_ms)),to=x3(stretch.to_ms??now_ms);return to<=0?null:a4("rect",{class:`bar ${stretch.kind}`,x:from,y:"2",width:Math.max(to-from,1),height:HEIGHT-
@@ -168,41 +168,40 @@ drawn_at,is_lost=age>LOST_AFTER_MS;document.documentElement.classList.toggle("lo
 setInterval(look,LOOK_EVERY_MS),document.addEventListener("visibilitychange",look),connect()}var SHAPES={1:"M1 1h18v18H1z",2:"M10 1 19 19H1z",3:"M1 1h18L10 19z"};function Priority({of,text}){return a4("span",{class:"priority",children:[a4("svg",{viewBox:"\
 0 0 20 20",class:`p${of}`,"aria-hidden":"true",children:[a4("path",{d:SHAPES[of]}),a4("text",{x:"10",y:of===3?11:15.5,"text-anchor":"middle",children:of})]}),text]})}
 function HealthSign({of}){return a4("span",{class:`health ${of} value`,children:health[of]})}function List({of}){return a4("ul",{children:of.map((text,at2)=>a4(
-"li",{class:"value",children:text},at2))})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
-is-unknown",children:mode.text}),mode.is_enabled===!1&&mode.waiting_for.length>0&&a4("p",{class:"value",children:[t4.not_all,": ",mode.waiting_for.join(", ")]}),
-mode.refusal&&a4("p",{class:"value",children:mode.refusal}),mode.left_out.length>0&&a4("p",{class:"value",children:[t4.left_out,": ",mode.left_out.join(", ")]}),
-mode.restarted.length>0&&a4("p",{class:"value",children:[t4.restarted,": ",mode.restarted.join(", ")]}),mode.is_known&&!page.is_cell&&a4("p",{children:[t4.cycle,
-": ",a4("span",{class:"value",children:mode.cycle?`${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})`:t4.no_cycle})]}),page.next&&a4("p",{class:"next",
-children:[t4.next,": ",a4("span",{class:"value",children:page.next})," (",t4.all_steps,")"]})]})}function StationCard({station}){return a4("li",{class:`card ${station.
-health}`,children:[a4("h3",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null?a4("p",{class:"value",children:station.unknown}):
-a4($,{children:[a4("p",{class:station.moves?"value moves":"value",children:station.operation}),a4("p",{children:[t4.mode,": ",a4("span",{class:"value",children:station.
+"li",{class:"value",children:text},at2))})}function Heads({of}){return a4("thead",{children:a4("tr",{children:of.map(head=>a4("th",{scope:"col",children:head},head))})})}
+function Named({head,of}){return of.length>0?a4("p",{class:"value",children:`${head}: ${of.join(", ")}`}):null}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
+is-unknown",children:mode.text}),mode.is_enabled===!1&&a4(Named,{head:t4.not_all,of:mode.waiting_for}),mode.refusal&&a4("p",{class:"value",children:mode.refusal}),
+a4(Named,{head:t4.left_out,of:mode.left_out}),a4(Named,{head:t4.restarted,of:mode.restarted}),mode.is_known&&!page.is_cell&&a4("p",{children:[t4.cycle,": ",a4("\
+span",{class:"value",children:mode.cycle?`${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})`:t4.no_cycle})]}),page.next&&a4("p",{class:"next",children:[
+t4.next,": ",a4("span",{class:"value",children:page.next})," (",t4.all_steps,")"]})]})}function StationCard({station}){return a4("li",{class:`card ${station.health}`,
+children:[a4("h3",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null?a4("p",{class:"value",children:station.unknown}):a4($,
+{children:[a4("p",{class:station.moves?"value moves":"value",children:station.operation}),a4("p",{children:[t4.mode,": ",a4("span",{class:"value",children:station.
 mode})," · ",t4.count,": ",a4("span",{class:"value",children:station.cycle})]}),station.notes.map((note,at2)=>a4("p",{class:"value",children:note},at2)),station.
 fault&&a4("p",{class:"value fault-text",children:station.fault})]})]})}function Overview({page}){let open=page.cell?.orders.filter(order=>!order.is_over)??[];return a4(
 $,{children:[a4(ModeBlock,{page}),page.other_descriptions.length>0&&a4(List,{of:page.other_descriptions}),a4("ul",{class:"cards",children:page.stations.map(station=>a4(
 StationCard,{station},station.name))}),page.is_cell&&a4("section",{children:[a4("h2",{children:t4.orders}),page.cell_unknown?a4("p",{class:"value is-unknown",children:page.
 cell_unknown}):a4(Orders,{orders:open})]})]})}function Orders({orders}){return orders.length===0?a4("p",{class:"value",children:t4.none}):a4("ul",{children:orders.
 map(order=>a4("li",{class:order.is_late?"value late":"value",children:[order.name,": ",order.text,order.due&&`, ${order.due}`]},order.id))})}function AlarmRow({
-alarm}){let named=(head,of)=>of.length>0&&a4("p",{class:"value",children:`${head}: ${of.join(", ")}`});return a4("tr",{children:[a4("td",{children:a4(Priority,{
-of:alarm.priority,text:alarm.priority_text})}),a4("td",{class:"value",children:alarm.state}),a4("td",{class:"value",children:alarm.number===null?alarm.source:`${alarm.
-source}, ${alarm.number}`}),a4("td",{class:"value",children:alarm.age}),a4("td",{children:[a4("p",{class:"value",children:alarm.text}),named(t4.at_order,alarm.at_order),
-named(t4.reset,alarm.reset),named(t4.lead,alarm.lead),alarm.lead_to&&a4("p",{class:"value",children:`${t4.way}: ${alarm.lead_to}${alarm.lead_because&&` (${alarm.
-lead_because})`}`}),alarm.bring&&a4("p",{class:"value",children:t4.bring(...alarm.bring)}),alarm.answers.length>0&&a4("p",{children:[t4.answers,":"]}),a4("ul",{
-children:alarm.answers.map(of=>a4("li",{class:"value",children:[a4("strong",{children:of.answer}),[of.meaning,of.verdict,of.why].filter(Boolean).map(text=>`; ${text}`)]},
-of.answer))})]})]})}function Alarms({page}){return page.alarms.length===0?a4("p",{class:"value",children:t4.alarms_none}):a4("table",{class:"list",children:[a4(
-"thead",{children:a4("tr",{children:[t4.priority,t4.state,t4.source,t4.age,t4.text].map(head=>a4("th",{scope:"col",children:head},head))})}),a4("tbody",{children:page.
-alarms.map(alarm=>a4(AlarmRow,{alarm},alarm.key))})]})}function Cell({page}){let cell=page.cell;return cell===null?a4("p",{class:"value is-unknown",children:page.
-cell_unknown}):a4($,{children:[a4("section",{children:[a4("h2",{children:t4.in_progress}),cell.activities.length===0&&a4("p",{class:"value",children:t4.none}),a4(
-List,{of:cell.activities.map(of=>`${of.name}${of.part===null?"":`, ${t4.part} ${of.part}`}, ${of.age}${of.running?"":`, ${t4.failed}`}${of.text&&`: ${of.text}`}`)})]}),
-a4("section",{children:[a4("h2",{children:[t4.parts,": ",a4("span",{class:"value",children:t4.inside(cell.parts_inside,cell.parts_left)}),!cell.starting&&a4("sp\
-an",{class:"value",children:["; ",t4.nothing_starts]})]}),a4("table",{class:"list",children:[a4("thead",{children:a4("tr",{children:[t4.part,t4.stage,t4.order,t4.
-place,t4.age].map(head=>a4("th",{scope:"col",children:head},head))})}),a4("tbody",{children:cell.parts.map(part=>a4("tr",{children:[part.part,part.stage,part.order??
-"",part.place,part.age].map((text,at2)=>a4("td",{class:"value",children:text},at2))},part.part))})]})]}),a4("section",{children:[a4("h2",{children:[t4.orders,":\
- ",a4("span",{class:"value",children:t4.open(cell.orders_open)})]}),a4(Orders,{orders:cell.orders})]}),a4("section",{children:[a4("h2",{children:t4.out_of_service}),
-cell.out_of_service.length===0?a4("p",{class:"value",children:t4.none}):a4(List,{of:cell.out_of_service.map(of=>of.text)})]})]})}function Waiting({page}){return a4(
-$,{children:[a4(ModeBlock,{page}),page.stations.map(station=>a4("section",{children:[a4("h2",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.
-unknown!==null&&a4("p",{class:"value is-unknown",children:station.unknown}),station.fault&&a4("p",{class:"value fault-text",children:station.fault}),station.unknown===
-null&&station.waits_for.length===0&&a4("p",{class:"value",children:t4.waits_for_nothing}),station.waits_for.length>0&&a4("p",{children:[t4.waits_for,":"]}),a4(List,
-{of:station.waits_for})]},station.name))]})}var names=["overview","chart","alarms","cell","waiting"],here=()=>names.find(name=>`#${name}`===location.hash)??"overview",at=y3(here());addEventListener("hashc\
+alarm}){return a4("tr",{children:[a4("td",{children:a4(Priority,{of:alarm.priority,text:alarm.priority_text})}),a4("td",{class:"value",children:alarm.state}),a4(
+"td",{class:"value",children:alarm.number===null?alarm.source:`${alarm.source}, ${alarm.number}`}),a4("td",{class:"value",children:alarm.age}),a4("td",{children:[
+a4("p",{class:"value",children:alarm.text}),a4(Named,{head:t4.at_order,of:alarm.at_order}),a4(Named,{head:t4.reset,of:alarm.reset}),a4(Named,{head:t4.lead,of:alarm.
+lead}),alarm.lead_to&&a4("p",{class:"value",children:`${t4.way}: ${alarm.lead_to}${alarm.lead_because&&` (${alarm.lead_because})`}`}),alarm.bring&&a4("p",{class:"\
+value",children:t4.bring(...alarm.bring)}),alarm.answers.length>0&&a4("p",{children:[t4.answers,":"]}),a4("ul",{children:alarm.answers.map(of=>a4("li",{class:"v\
+alue",children:[a4("strong",{children:of.answer}),[of.meaning,of.verdict,of.why].filter(Boolean).map(text=>`; ${text}`)]},of.answer))})]})]})}function Alarms({page}){
+return page.alarms.length===0?a4("p",{class:"value",children:t4.alarms_none}):a4("table",{class:"list",children:[a4(Heads,{of:[t4.priority,t4.state,t4.source,t4.
+age,t4.text]}),a4("tbody",{children:page.alarms.map(alarm=>a4(AlarmRow,{alarm},alarm.key))})]})}function Cell({page}){let cell=page.cell;return cell===null?a4("\
+p",{class:"value is-unknown",children:page.cell_unknown}):a4($,{children:[a4("section",{children:[a4("h2",{children:t4.in_progress}),cell.activities.length===0&&
+a4("p",{class:"value",children:t4.none}),a4(List,{of:cell.activities.map(of=>`${of.name}${of.part===null?"":`, ${t4.part} ${of.part}`}, ${of.age}${of.running?"":
+`, ${t4.failed}`}${of.text&&`: ${of.text}`}`)})]}),a4("section",{children:[a4("h2",{children:[t4.parts,": ",a4("span",{class:"value",children:t4.inside(cell.parts_inside,
+cell.parts_left)}),!cell.starting&&a4("span",{class:"value",children:["; ",t4.nothing_starts]})]}),a4("table",{class:"list",children:[a4(Heads,{of:[t4.part,t4.stage,
+t4.order,t4.place,t4.age]}),a4("tbody",{children:cell.parts.map(part=>a4("tr",{children:[part.part,part.stage,part.order??"",part.place,part.age].map((text,at2)=>a4(
+"td",{class:"value",children:text},at2))},part.part))})]})]}),a4("section",{children:[a4("h2",{children:[t4.orders,": ",a4("span",{class:"value",children:t4.open(
+cell.orders_open)})]}),a4(Orders,{orders:cell.orders})]}),a4("section",{children:[a4("h2",{children:t4.out_of_service}),cell.out_of_service.length===0?a4("p",{class:"\
+value",children:t4.none}):a4(List,{of:cell.out_of_service.map(of=>of.text)})]})]})}function Waiting({page}){return a4($,{children:[a4(ModeBlock,{page}),page.stations.
+map(station=>a4("section",{children:[a4("h2",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null&&a4("p",{class:"value is-u\
+nknown",children:station.unknown}),station.fault&&a4("p",{class:"value fault-text",children:station.fault}),station.unknown===null&&station.waits_for.length===0&&
+a4("p",{class:"value",children:t4.waits_for_nothing}),station.waits_for.length>0&&a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]},station.
+name))]})}var names=["overview","chart","alarms","cell","waiting"],here=()=>names.find(name=>`#${name}`===location.hash)??"overview",at=y3(here());addEventListener("hashc\
 hange",()=>at.value=here());function Banner({page}){let first=page.alarms[0];return first===void 0?a4("p",{class:"banner none value",children:t4.alarms_none}):a4(
 "a",{class:"banner",href:"#alarms",children:[a4(Priority,{of:first.priority,text:first.priority_text}),a4("span",{class:"value what",children:`${first.source}: ${first.
 text}`}),a4("span",{class:"value",children:t4.more_alarms(page.alarms.length)})]})}function Lost(){let age=lost_for.value;if(age===null)return null;let text=shown.

@@ -1,7 +1,7 @@
 // The pages beside the chart.
 
 import type { Alarm, Cell as CellModel, Page, Station } from "./model";
-import { HealthSign, List, Priority } from "./parts";
+import { Heads, HealthSign, List, Named, Priority } from "./parts";
 import { t } from "./texts";
 
 function ModeBlock({ page }: { page: Page }) {
@@ -9,22 +9,10 @@ function ModeBlock({ page }: { page: Page }) {
   return (
     <section class="mode" aria-label={t.mode}>
       <p class={mode.is_known ? "value text" : "value text is-unknown"}>{mode.text}</p>
-      {mode.is_enabled === false && mode.waiting_for.length > 0 && (
-        <p class="value">
-          {t.not_all}: {mode.waiting_for.join(", ")}
-        </p>
-      )}
+      {mode.is_enabled === false && <Named head={t.not_all} of={mode.waiting_for} />}
       {mode.refusal && <p class="value">{mode.refusal}</p>}
-      {mode.left_out.length > 0 && (
-        <p class="value">
-          {t.left_out}: {mode.left_out.join(", ")}
-        </p>
-      )}
-      {mode.restarted.length > 0 && (
-        <p class="value">
-          {t.restarted}: {mode.restarted.join(", ")}
-        </p>
-      )}
+      <Named head={t.left_out} of={mode.left_out} />
+      <Named head={t.restarted} of={mode.restarted} />
       {mode.is_known && !page.is_cell && (
         <p>
           {t.cycle}: <span class="value">{mode.cycle ? `${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})` : t.no_cycle}</span>
@@ -101,7 +89,6 @@ function Orders({ orders }: { orders: CellModel["orders"] }) {
 }
 
 function AlarmRow({ alarm }: { alarm: Alarm }) {
-  const named = (head: string, of: string[]) => of.length > 0 && <p class="value">{`${head}: ${of.join(", ")}`}</p>;
   return (
     <tr>
       <td>
@@ -112,9 +99,9 @@ function AlarmRow({ alarm }: { alarm: Alarm }) {
       <td class="value">{alarm.age}</td>
       <td>
         <p class="value">{alarm.text}</p>
-        {named(t.at_order, alarm.at_order)}
-        {named(t.reset, alarm.reset)}
-        {named(t.lead, alarm.lead)}
+        <Named head={t.at_order} of={alarm.at_order} />
+        <Named head={t.reset} of={alarm.reset} />
+        <Named head={t.lead} of={alarm.lead} />
         {alarm.lead_to && <p class="value">{`${t.way}: ${alarm.lead_to}${alarm.lead_because && ` (${alarm.lead_because})`}`}</p>}
         {alarm.bring && <p class="value">{t.bring(...alarm.bring)}</p>}
         {alarm.answers.length > 0 && <p>{t.answers}:</p>}
@@ -135,15 +122,7 @@ export function Alarms({ page }: { page: Page }) {
   if (page.alarms.length === 0) return <p class="value">{t.alarms_none}</p>;
   return (
     <table class="list">
-      <thead>
-        <tr>
-          {[t.priority, t.state, t.source, t.age, t.text].map((head) => (
-            <th scope="col" key={head}>
-              {head}
-            </th>
-          ))}
-        </tr>
-      </thead>
+      <Heads of={[t.priority, t.state, t.source, t.age, t.text]} />
       <tbody>
         {page.alarms.map((alarm) => (
           <AlarmRow alarm={alarm} key={alarm.key} />
@@ -173,15 +152,7 @@ export function Cell({ page }: { page: Page }) {
           {!cell.starting && <span class="value">; {t.nothing_starts}</span>}
         </h2>
         <table class="list">
-          <thead>
-            <tr>
-              {[t.part, t.stage, t.order, t.place, t.age].map((head) => (
-                <th scope="col" key={head}>
-                  {head}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <Heads of={[t.part, t.stage, t.order, t.place, t.age]} />
           <tbody>
             {cell.parts.map((part) => (
               <tr key={part.part}>

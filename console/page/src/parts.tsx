@@ -34,3 +34,23 @@ export function List({ of }: { of: string[] }) {
     </ul>
   );
 }
+
+// The heads of a table's columns.
+export function Heads({ of }: { of: string[] }) {
+  return (
+    <thead>
+      <tr>
+        {of.map((head) => (
+          <th scope="col" key={head}>
+            {head}
+          </th>
+        ))}
+      </tr>
+    </thead>
+  );
+}
+
+// Names behind their head, in one line; nothing where there are none.
+export function Named({ head, of }: { head: string; of: string[] }) {
+  return of.length > 0 ? <p class="value">{`${head}: ${of.join(", ")}`}</p> : null;
+}

@@ -18,14 +18,9 @@ pub const MESSAGE_MAX: usize = 128;
 /// Most messages of a reader between two frames, pings among them.
 pub const MESSAGES_MAX: u32 = 16;
 
-/// Why a reader is not served any more.
+/// A reader is not served any more: it has gone, does not read, has sent what no page sends, or there are no more frames.
 #[derive(Debug)]
-enum Ended {
-    /// It has gone, does not read, or has sent what no page sends.
-    Reader,
-    /// There are no more frames.
-    Feed,
-}
+struct ReaderEnded;
 
 /// Serves a reader until it goes, or does not read.
 pub async fn serve(mut socket: WebSocket, mut frames: NewestFrame) {
@@ -51,40 +46,40 @@ async fn newer(
     frames: &mut NewestFrame,
     last: Option<u64>,
     room: &mut u32,
-) -> Result<Arc<PageFrame>, Ended> {
+) -> Result<Arc<PageFrame>, ReaderEnded> {
     loop {
         let newest = frames.borrow_and_update().clone();
         if let Some(frame) = newest.filter(|frame| Some(frame.sequence()) != last) {
             return Ok(frame);
         }
         tokio::select! {
-            changed = frames.changed() => changed.map_err(|_| Ended::Feed)?,
+            changed = frames.changed() => changed.map_err(|_| ReaderEnded)?,
             // Nothing is under way that could be acknowledged.
             heard = heard(socket, room) => if heard?.is_some() {
-                return Err(Ended::Reader);
+                return Err(ReaderEnded);
             },
         }
     }
 }
 
 /// Waits until this frame is acknowledged.
-async fn acknowledged(socket: &mut WebSocket, sequence: u64, room: &mut u32) -> Result<(), Ended> {
+async fn acknowledged(socket: &mut WebSocket, sequence: u64, room: &mut u32) -> Result<(), ReaderEnded> {
     loop {
         match heard(socket, room).await? {
             Some(number) if number == sequence => return Ok(()),
-            Some(_) => return Err(Ended::Reader),
+            Some(_) => return Err(ReaderEnded),
             None => {}
         }
     }
 }
 
 /// The next message: the number that it acknowledges, none of a ping, which is answered already.
-async fn heard(socket: &mut WebSocket, room: &mut u32) -> Result<Option<u64>, Ended> {
-    let Some(Ok(message)) = socket.recv().await else { return Err(Ended::Reader) };
-    *room = room.checked_sub(1).ok_or(Ended::Reader)?;
+async fn heard(socket: &mut WebSocket, room: &mut u32) -> Result<Option<u64>, ReaderEnded> {
+    let Some(Ok(message)) = socket.recv().await else { return Err(ReaderEnded) };
+    *room = room.checked_sub(1).ok_or(ReaderEnded)?;
     match message {
-        Message::Text(text) => text.parse().map(Some).map_err(|_| Ended::Reader),
+        Message::Text(text) => text.parse().map(Some).map_err(|_| ReaderEnded),
         Message::Ping(_) | Message::Pong(_) => Ok(None),
-        Message::Binary(_) | Message::Close(_) => Err(Ended::Reader),
+        Message::Binary(_) | Message::Close(_) => Err(ReaderEnded),
     }
 }

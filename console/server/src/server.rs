@@ -44,7 +44,8 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 /// The address of the feed.
 const FEED: &str = "/feed";
 
-/// Sent with every answer: only what this server serves is loaded and run, nothing is stored, nobody frames it.
+/// HTTP headers of every response: a page loads and runs scripts and styles of this server alone, nothing is kept in a cache, and no other
+/// page may embed it in a frame.
 const HEADERS: [(header::HeaderName, &str); 6] = [
     (
         header::CONTENT_SECURITY_POLICY,

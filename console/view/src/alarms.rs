@@ -78,6 +78,12 @@ pub(crate) struct LineAlarm {
     pub text: String,
 }
 
+impl LineAlarm {
+    pub fn new(source: &str, what: &'static str, priority: AlarmPriority, text: &str) -> Self {
+        LineAlarm { source: source.to_owned(), what, priority, text: bounds::text(text) }
+    }
+}
+
 fn plain(key: String, source: String, priority: AlarmPriority, text: String, age: String) -> AlarmPart {
     AlarmPart {
         key,
@@ -122,27 +128,21 @@ impl FirstReceived {
 
 /// What the coordinator reports.
 pub(crate) fn of_line(state: &LineState) -> Vec<LineAlarm> {
-    let alarm =
-        |what, priority, text: &str| LineAlarm { source: "line".to_owned(), what, priority, text: bounds::text(text) };
+    let alarm = |what, priority, text: &str| LineAlarm::new("line", what, priority, text);
     let mut alarms = Vec::new();
     if state.mode == StationState::MODE_ESTOP || state.estop_latched {
         alarms.push(alarm("emergency stop", AlarmPriority::High, &state.text));
     }
     if !state.obstacles.is_empty() {
-        let obstacles: Vec<&str> = state.obstacles.iter().map(String::as_str).collect();
-        alarms.push(alarm("obstacles", AlarmPriority::High, &obstacles.join("; ")));
+        alarms.push(alarm("obstacles", AlarmPriority::High, &state.obstacles.join("; ")));
     }
     if state.console_lost {
         let text = "the devices of the line's console are not operational, or were not received yet";
         alarms.push(alarm("console devices", AlarmPriority::Medium, text));
     }
     if !state.left_out.is_empty() {
-        let names: Vec<&str> = state.left_out.iter().map(String::as_str).collect();
-        alarms.push(alarm(
-            "left out",
-            AlarmPriority::Low,
-            &format!("left out of the mode decision: {}", names.join(", ")),
-        ));
+        let text = format!("left out of the mode decision: {}", state.left_out.join(", "));
+        alarms.push(alarm("left out", AlarmPriority::Low, &text));
     }
     alarms
 }

@@ -2,8 +2,6 @@
 //!
 //! Ages are computed with the stamps of its coordinator alone, so that the clocks of two hosts are not compared.
 
-use std::time::Duration;
-
 use linewright_msgs::{ActivityState, CellState, PartState, ProductionState};
 use serde::Serialize;
 
@@ -74,7 +72,7 @@ pub struct ShownOutage {
 
 /// The time by the clock of the coordinator that has sent a state, in s since 1970.
 pub(crate) fn now_of(cell: Aged<'_, CellState>) -> f64 {
-    seconds(&cell.state.header.stamp) + Duration::as_secs_f64(&cell.age)
+    seconds(&cell.state.header.stamp) + cell.age.as_secs_f64()
 }
 
 impl CellPart {

@@ -33,7 +33,7 @@ pub struct ConsolePage {
 /// The mode and what keeps it.
 #[derive(Debug, Serialize)]
 pub struct ModePart {
-    /// Whether the coordinator is received. Without it everything below is empty, and `text` says for how long.
+    /// Whether a state of the coordinator is received. If not, `text` has the time since the last one, and everything after it is empty.
     pub is_known: bool,
     /// Name of the mode; `unknown` where it is not known.
     pub word: &'static str,

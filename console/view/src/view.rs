@@ -7,7 +7,7 @@ use linewright_line::{Line, StationId};
 use linewright_msgs::{CellState, CycleTime, LineState, StationState};
 
 use crate::aged::{Aged, CELL_FRESH, state_fresh};
-use crate::alarms::{AlarmPart, AlarmPriority, FirstReceived, LineAlarm, of_cell, of_line};
+use crate::alarms::{AlarmPriority, FirstReceived, LineAlarm, of_cell, of_line};
 use crate::bounds;
 use crate::cell::{CellPart, now_of};
 use crate::lanes::LaneRecorder;
@@ -32,7 +32,7 @@ pub struct ConsoleInputs<'s> {
     /// The next step of recovery.
     pub next: Option<&'s NextStep>,
     /// Why resources of a cell are left out.
-    pub out_of_service: Cow<'s, ReasonsByResource>,
+    pub out_of_service: &'s ReasonsByResource,
     /// What runs with another description, and what to do.
     pub other_descriptions: Vec<String>,
 }
@@ -57,7 +57,7 @@ impl ConsoleInputs<'_> {
             cell: None,
             cycle: None,
             next: None,
-            out_of_service: Cow::Owned(ReasonsByResource::new()),
+            out_of_service: const { &ReasonsByResource::new() },
             other_descriptions: Vec::new(),
         }
     }
@@ -90,16 +90,23 @@ impl ConsoleView {
         let cell = of.cell.filter(|cell| self.is_cell && cell.age < CELL_FRESH);
         let cell_unknown = (self.is_cell && cell.is_none())
             .then(|| station_not_received(of.cell.and_then(|cell| cell.unheard_for(CELL_FRESH))));
+        let mode = self.mode(of, line);
+        let mut alarms =
+            line.map_or_else(|| vec![LineAlarm::new("line", "not received", AlarmPriority::High, &mode.text)], of_line);
+        alarms.extend(of_nodes(of, &stations, cell_unknown.as_deref()));
+        let mut alarms = self.first.aged(of.now, alarms);
+        alarms.extend(cell.into_iter().flat_map(|cell| of_cell(cell.state, now_of(cell))));
+        alarms.sort_by_key(|alarm| alarm.priority);
         ConsolePage {
             title: self.line.title.clone(),
             is_cell: self.is_cell,
-            mode: self.mode(of, line),
+            mode,
             other_descriptions: of.other_descriptions.clone(),
             next: of.next.map(|next| next.text().to_owned()),
-            alarms: self.alarms(of, line, &stations, cell),
+            alarms,
             stations,
             lanes: self.lanes.at(of.now, &self.line),
-            cell: cell.map(|cell| CellPart::of(cell, &of.out_of_service)),
+            cell: cell.map(|cell| CellPart::of(cell, of.out_of_service)),
             cell_unknown,
         }
     }
@@ -181,43 +188,18 @@ impl ConsoleView {
             waits_for,
         }
     }
+}
 
-    fn alarms(
-        &mut self,
-        of: &ConsoleInputs<'_>,
-        line: Option<&LineState>,
-        stations: &[StationPart],
-        cell: Option<Aged<'_, CellState>>,
-    ) -> Vec<AlarmPart> {
-        let alarm = |source: &str, what, priority, text: &str| LineAlarm {
-            source: source.to_owned(),
-            what,
-            priority,
-            text: text.to_owned(),
-        };
-        let mut all = match line {
-            Some(line) => of_line(line),
-            None => {
-                let unheard = of.line.and_then(|line| line.unheard_for(state_fresh(&self.line)));
-                vec![alarm("line", "not received", AlarmPriority::High, &coordinator_not_received(unheard))]
-            }
-        };
-        if !of.other_descriptions.is_empty() {
-            all.push(alarm("line", "description", AlarmPriority::High, &of.other_descriptions.join("; ")));
-        }
-        for station in stations {
-            let fault = station.fault.as_ref().map(|text| alarm(&station.name, "fault", AlarmPriority::High, text));
-            let unknown = station.unknown.as_ref();
-            let unknown = unknown.map(|text| alarm(&station.name, "not received", AlarmPriority::Medium, text));
-            all.extend(fault.into_iter().chain(unknown));
-        }
-        if self.is_cell && cell.is_none() {
-            let text = station_not_received(of.cell.and_then(|cell| cell.unheard_for(CELL_FRESH)));
-            all.push(alarm("cell", "not received", AlarmPriority::Medium, &text));
-        }
-        let mut all = self.first.aged(of.now, all);
-        all.extend(cell.into_iter().flat_map(|cell| of_cell(cell.state, now_of(cell))));
-        all.sort_by_key(|alarm| alarm.priority);
-        all
+/// Faults of stations, what is not received but the coordinator, and what runs with another description.
+fn of_nodes(of: &ConsoleInputs<'_>, stations: &[StationPart], cell_unknown: Option<&str>) -> Vec<LineAlarm> {
+    let mut all = Vec::new();
+    if !of.other_descriptions.is_empty() {
+        all.push(LineAlarm::new("line", "description", AlarmPriority::High, &of.other_descriptions.join("; ")));
     }
+    for StationPart { name, fault, unknown, .. } in stations {
+        all.extend(fault.as_ref().map(|text| LineAlarm::new(name, "fault", AlarmPriority::High, text)));
+        all.extend(unknown.as_ref().map(|text| LineAlarm::new(name, "not received", AlarmPriority::Medium, text)));
+    }
+    all.extend(cell_unknown.map(|text| LineAlarm::new("cell", "not received", AlarmPriority::Medium, text)));
+    all
 }

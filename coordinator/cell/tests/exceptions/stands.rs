@@ -57,7 +57,8 @@ fn a_machine_that_rests_clamped_without_a_part_is_not_used_before_it_is_open() {
     assert_eq!((bench.down(), bench.state().exceptions().alarms().len()), (vec![], 0));
 }
 
-/// It closed on a part that was said to be gone: what to do first was not said, and each answer was refused with a new number.
+/// A machine is closed on a part that an operator has answered to be *gone*. The alarm did not name what has to be done before *up*, and
+/// each *up* that was refused raised the alarm again under another number.
 #[test]
 fn a_machine_that_is_closed_on_a_part_of_no_record_is_opened_first() {
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);

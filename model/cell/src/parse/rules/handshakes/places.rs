@@ -2,7 +2,8 @@
 //!
 //! An activity moves a part from one resource to another one, and the cell counts it there. At which nests a task really closes and opens
 //! a hand follows from the line's description: from the positions to which its operations bring the axes, and the `[[station.reach]]` of the
-//! hand at these. Where the two differ the part stays behind, falls down, or lies where the cell does not count it, and no sensor need show it.
+//! hand at these. Where the two differ, the part stays behind, falls down, or lies at another resource than the one at which the cell counts
+//! it; a sensor shows that only where the description has one there.
 //!
 //! A nest belongs to the resource with its name, or to those of its station. Nests of no resource are not judged, and neither is a hand
 //! whose reach depends on where another station stands.
