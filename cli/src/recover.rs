@@ -17,7 +17,7 @@ use linewright_console_view::refusal;
 use linewright_line::{Line, StationId};
 use linewright_msgs::StationState;
 use linewright_node_shell::RosArgs;
-use linewright_recovery::{Need, RecoveryAction, RecoveryStep};
+use linewright_recovery::{LedBack, Need, RecoveryAction, RecoveryStep};
 
 use crate::cell::CellClient;
 use crate::client::{OperatorClient, StateUpdate};
@@ -51,15 +51,20 @@ pub struct Args {
     /// Publish the plan on `~/recovery_plan`, and answer requests for it, until Ctrl-C. For consoles.
     #[arg(long, conflicts_with_all = ["once", "json"])]
     publish: bool,
+    /// Lead this station on where it could be led back as well; may be given several times.
+    #[arg(long, value_name = "STATION")]
+    on: Vec<String>,
 }
 
 /// `linewright recover`
 pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let (line, is_cell) = load::line_or_cell(&args.line)?;
+    let lead_on: Vec<StationId> = args.on.iter().map(|name| load::station(&line, name)).collect::<Result<_, _>>()?;
+    let mut newest = NewestPlan::leading_on(lead_on);
     let mut client = OperatorClient::open(&line, &args.line, ros, "recover")?;
     let mut cell = is_cell.then(|| CellClient::open(&line, ros, "recover_cell")).transpose()?;
     if args.publish {
-        return publish::run(&mut client, cell, &args.line.display().to_string()).await;
+        return publish::run(&mut client, cell, newest, &args.line.display().to_string()).await;
     }
     let path = args.line.display().to_string();
     let is_all = match client.until_all_heard(HEARD_WITHIN).await {
@@ -74,7 +79,6 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     }
     if args.once || args.json {
         client.listen(line.timing.refresh * 4).await?;
-        let mut newest = NewestPlan::default();
         newest.settle(&mut client, &mut cell).await?;
         let found = newest.look(&client, cell.as_ref());
         if args.json {
@@ -90,7 +94,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         let leads_there = found.is_some_and(|found| found.plan.leads_to_auto());
         return Ok(if is_all && leads_there { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
-    follow(&mut client, cell, &path).await
+    follow(&mut client, cell, newest, &path).await
 }
 
 /// In place of a plan that is looked for, after a time in which the one before is shown.
@@ -98,12 +102,17 @@ const SEARCHING: &str = "the way back is looked for";
 const SHOWN_AFTER: Duration = Duration::from_secs(1);
 
 /// Shows the plan until auto is in force.
-async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path: &str) -> miette::Result<ExitCode> {
+async fn follow(
+    client: &mut OperatorClient,
+    mut cell: Option<CellClient>,
+    mut newest: NewestPlan,
+    path: &str,
+) -> miette::Result<ExitCode> {
     let mut screen = if std::io::stdout().is_terminal() { Some(Screen::open()?) } else { None };
     let mut interrupts = Interrupts::listen()?;
     let mut looks = tokio::time::interval(LOOK_EVERY);
     let (mut done, mut shown, mut before): (Vec<String>, Vec<String>, Option<ReasonedPlan>) = Default::default();
-    let (mut newest, mut failures, mut has_changed) = (NewestPlan::default(), PressFailures::default(), true);
+    let (mut failures, mut has_changed) = (PressFailures::default(), true);
     loop {
         tokio::select! {
             heard = client.next() => has_changed |= !matches!(heard?, StateUpdate::Event(..)),
@@ -157,10 +166,19 @@ fn typed(line: &Line, path: &str, step: &RecoveryStep) -> Vec<String> {
     let is_lost = matches!(step.action, RecoveryAction::First(Need::Devices(_) | Need::Console));
     let shows = is_lost.then(|| ["can", "status", path].map(str::to_owned).to_vec());
     let all = commands(line, path, step).into_iter().chain(shows);
-    let words = |words: Vec<String>| words.iter().map(|word| crate::out::shell_word(word)).collect::<Vec<_>>();
     // What is only looked at does not do the step.
     let look = if is_lost { "see: " } else { "" };
-    all.map(|of| format!("{look}linewright {}", words(of).join(" "))).collect()
+    all.map(|of| format!("{look}{}", typed_words(&of))).collect()
+}
+
+/// The arguments of the command that lists the other way of a station that is led back, for a line in the directory `path`.
+fn led_on(line: &Line, path: &str, back: &LedBack) -> Vec<String> {
+    ["recover", path, "--on", &line.station(back.station).name].map(str::to_owned).to_vec()
+}
+
+fn typed_words(words: &[String]) -> String {
+    let words: Vec<String> = words.iter().map(|word| crate::out::shell_word(word)).collect();
+    format!("linewright {}", words.join(" "))
 }
 
 /// The steps below which their commands stand.
@@ -259,6 +277,11 @@ fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<Strin
     let Some(found) = found else { return lines };
     let (plan, next) = (&found.plan, found.plan.behind_signals());
     lines.extend(plan.led.iter().map(|led| led.text(line)));
+    lines.extend(plan.begin_text(line));
+    lines.extend(plan.led_back.iter().flat_map(|back| {
+        let other_way = back.presses_on.map(|_| format!("       {}", typed_words(&led_on(line, path, back))));
+        std::iter::once(back.text(line)).chain(other_way)
+    }));
     for (at, (step, why)) in plan.steps.iter().zip(&found.reasons).enumerate() {
         lines.push(format!("{:>5}. {}", at + 1, step.text(line)));
         lines.extend(why.iter().map(|why| format!("       since {why}")));

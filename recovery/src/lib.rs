@@ -18,6 +18,7 @@
 //! operations or its reverse (`order`).
 //! In auto a single one of them is led by itself, while the others go on (`beside`).
 //! A station that an alarm asks to be brought to another rest is brought there by a button of hand mode (`bring`).
+//! Stations whose part is left as it is on the way back are named, with their other way (`led_back`).
 //! Why a found plan has its presses follows from playing it again (`reason`).
 //! [`TRIED_MAX`] bounds the search; beyond it any plan is taken, and says that it may not be the shortest.
 
@@ -30,6 +31,7 @@ mod distance;
 mod ends;
 mod first;
 mod image;
+mod led_back;
 mod order;
 mod plan;
 mod reason;
@@ -41,6 +43,7 @@ mod texts;
 mod units;
 
 pub use ends::{EndsReached, LedActivity, LedOrder};
+pub use led_back::LedBack;
 pub use plan::{RecoveryEnd, RecoveryPlan, plan};
 pub use reason::StepReason;
 pub use restore::RestoreMisfit;

@@ -14,8 +14,9 @@ use crate::desk::Desk;
 use crate::ends::{CommonEnds, LedActivity};
 use crate::first::{before_all, fault_signals, held, planned};
 use crate::image;
+use crate::led_back::{self, LedBack};
 use crate::restore::{RestoreMisfit, is_unknown, unit};
-use crate::search::{Move, Search};
+use crate::search::{self, Move, Search};
 use crate::situation::{LineSituation, StandingAlarm};
 use crate::step::{Need, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
 use crate::units::{PlayedLine, PlayedStations, in_manual};
@@ -46,6 +47,10 @@ pub struct RecoveryPlan {
     pub is_shortest: bool,
     /// Auto founds a new generation of counts: no station knows what the others have done to the parts between them.
     pub begins_anew: bool,
+    /// Stations that are led back to where their cycle began, which auto then begins anew.
+    pub led_back: Vec<LedBack>,
+    /// Stations that were to be led on, and no presses lead to auto that way: the steps are those without that.
+    pub not_led_on: Vec<StationId>,
     /// Activities of a cell whose stations are led, and to which end of them.
     pub led: Vec<LedActivity>,
     /// States from which all presses were tried.
@@ -53,8 +58,18 @@ pub struct RecoveryPlan {
 }
 
 impl RecoveryPlan {
-    pub(crate) fn ends(steps: Vec<RecoveryStep>, end: RecoveryEnd) -> Self {
-        RecoveryPlan { steps, end, is_shortest: true, begins_anew: false, led: Vec::new(), expanded: 0 }
+    /// A plan of these steps, with nothing else to be known of it.
+    pub const fn ends(steps: Vec<RecoveryStep>, end: RecoveryEnd) -> Self {
+        RecoveryPlan {
+            steps,
+            end,
+            is_shortest: true,
+            begins_anew: false,
+            led_back: Vec::new(),
+            not_led_on: Vec::new(),
+            led: Vec::new(),
+            expanded: 0,
+        }
     }
 
     /// Whether a failed activity of a cell has no alarm that could be answered.
@@ -88,6 +103,17 @@ impl RecoveryPlan {
 
 /// The shortest list of actions from a situation to auto. As long as a failed activity has no alarm, what follows is not known.
 pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
+    let mut found = planned_from(line, situation);
+    if matches!(found.end, RecoveryEnd::NoWay { .. }) && !situation.lead_on.is_empty() {
+        let without = LineSituation { lead_on: Vec::new(), ..situation.clone() };
+        found = planned_from(line, &without);
+        found.not_led_on.clone_from(&situation.lead_on);
+    }
+    found.led_back = led_back::all(line, situation, &found);
+    found
+}
+
+fn planned_from(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     let (asked, alone) = (situation.asked_to_lead(line), situation.without_journal(line));
     let both = line.station_ids().filter(|id| asked.contains(id) || alone.contains(id)).collect();
     let mut found = planned_now(line, situation, both);
@@ -256,8 +282,9 @@ fn brought(line: &Line, situation: &LineSituation, units: &PlayedStations) -> Op
     let floor = PlayedLine::new(line, units);
     let mut units = units.clone();
     floor.meet(&mut units);
+    let begins_anew = search::begins_anew(line, &units);
     let way = bring::in_hand(&floor, situation, Desk::new(&floor, situation, units))?;
-    Some(RecoveryPlan::ends(in_hand(line, way), RecoveryEnd::Auto))
+    Some(RecoveryPlan { begins_anew, ..RecoveryPlan::ends(in_hand(line, way), RecoveryEnd::Auto) })
 }
 
 /// The steps of a way in hand mode.
@@ -292,11 +319,13 @@ pub(crate) fn by_commands_and_presses(
     let floor = PlayedLine::new(line, &units);
     let mut units = units;
     floor.meet(&mut units);
+    // Before the desk plays the commands that led to the mode: with all at home one of them may found a generation.
+    let begins_anew = search::begins_anew(line, &units);
     let desk = Desk::new(&floor, situation, units);
     let mut steps = Vec::new();
     if let Some(way) = desk.way_to(&floor, ControlMode::Auto).filter(|_| led.is_empty()) {
         steps.extend(way.iter().map(|(command, desk)| commanded(*command, desk)));
-        return RecoveryPlan::ends(steps, RecoveryEnd::Auto);
+        return RecoveryPlan { begins_anew, ..RecoveryPlan::ends(steps, RecoveryEnd::Auto) };
     }
     let Some(way) = desk.way_to(&floor, ControlMode::Manual) else {
         return RecoveryPlan::ends(steps, no_way(line, &desk.units, true));
@@ -322,7 +351,7 @@ pub(crate) fn by_commands_and_presses(
     // Where selectors have led to manual the panels are not the console's.
     let stay: Vec<StationId> = situation.left_out.iter().copied().filter(|id| !led.contains(id)).collect();
     let ends = CommonEnds::of(line, situation, led);
-    let search = |kept| Search::new(&floor, (&stay, &situation.interrupted), !by_selectors, (&ends, kept), &accepted);
+    let search = |kept| Search::new(&floor, (&stay, situation), !by_selectors, (&ends, kept), &accepted);
     let (all_kept, mut failed) = (ends.kept(), Vec::new());
     let way = all_kept.iter().find_map(|kept| {
         let found = search(kept).run(&desk.units).map_err(|none| failed.push(none)).ok()?;
@@ -355,15 +384,12 @@ pub(crate) fn by_commands_and_presses(
         Some(way) => steps.extend(in_hand(line, way)),
         None => steps.extend(to_auto.into_iter().flatten().map(|(command, desk)| commanded(command, &desk))),
     }
-    let (end, begins_anew) = (RecoveryEnd::Auto, search(kept).leads_home(&last));
-    let led = ends.led(&last, kept, is_certain);
     RecoveryPlan {
-        steps,
-        end,
         is_shortest: found.is_shortest && is_certain,
-        begins_anew,
-        led,
+        begins_anew: search::begins_anew(line, &last),
+        led: ends.led(&last, kept, is_certain),
         expanded: found.expanded,
+        ..RecoveryPlan::ends(steps, RecoveryEnd::Auto)
     }
 }
 

@@ -58,8 +58,10 @@ impl RecoveryPlan {
     pub fn reasons(&self, line: &Line, situation: &LineSituation) -> Vec<Option<StepReason>> {
         let mut found = vec![None; self.steps.len()];
         let is_press = |step: &RecoveryStep| matches!(step.action, RecoveryAction::Press(..) | RecoveryAction::Resume);
-        // One press alone that moves something explains itself.
-        let is_unclear = |step: &RecoveryStep| is_press(step) && (self.presses() > 1 || step.moves.is_empty());
+        // One press alone that leads something on explains itself.
+        let is_back = |step: &RecoveryStep| matches!(step.action, RecoveryAction::Press(_, PanelButton::Return));
+        let is_unclear =
+            |step: &RecoveryStep| is_press(step) && (self.presses() > 1 || step.moves.is_empty() || is_back(step));
         let none_is_unclear = !self.steps.iter().any(is_unclear);
         if none_is_unclear || self.steps.len() > STEPS_MAX || situation.mode == ControlMode::Auto {
             return found;
@@ -77,17 +79,27 @@ impl RecoveryPlan {
 
     /// Whether presses of *return* alone lead a station home in manual, as along its recovery path.
     pub fn returns_home(&self, line: &Line, situation: &LineSituation, station: StationId) -> bool {
-        let Some((floor, mut units)) = self.begin_in_manual(line, situation) else { return false };
-        // Each operation is taken back at most once, or done on the recovery path.
-        for _ in 0..=line.station(station).operations.len() {
-            let Some(pressed) = floor.press(&units, station.index(), PanelButton::Return) else { return false };
-            units = pressed.units;
+        self.presses_home(line, situation, station, PanelButton::Return).is_some()
+    }
+
+    /// How many presses of one button lead a station home in manual, the others standing where they are; none where they do not.
+    pub(crate) fn presses_home(
+        &self,
+        line: &Line,
+        situation: &LineSituation,
+        station: StationId,
+        button: PanelButton,
+    ) -> Option<usize> {
+        let (floor, mut units) = self.begin_in_manual(line, situation)?;
+        // Each operation is done, or taken back, at most once.
+        for presses in 1..=line.station(station).operations.len() + 1 {
+            units = floor.press(&units, station.index(), button)?.units;
             let report = &units[station.index()].report;
             if report.at_home && report.incomplete.is_empty() {
-                return true;
+                return Some(presses);
             }
         }
-        false
+        None
     }
 
     /// The stations in manual, when what a person has to see to is done.

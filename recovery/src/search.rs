@@ -16,7 +16,7 @@ use rustc_hash::FxHashMap;
 use crate::distance::{Aim, Cost, Distances};
 use crate::ends::{CommonEnds, KeptWay};
 use crate::restore::is_unknown;
-use crate::situation::InterruptedTask;
+use crate::situation::LineSituation;
 use crate::step::{ConfirmedNumber, PanelButton, RecoveryAction, RejoinChoice};
 use crate::units::{PlayedLine, PlayedStations, Resumed};
 
@@ -88,7 +88,7 @@ pub(crate) struct Search<'f, 'l> {
     distances: Distances<'l>,
     compares: Vec<bool>,
     left_out: &'f [StationId],
-    interrupted: &'f [InterruptedTask],
+    situation: &'f LineSituation,
     /// Resume takes effect.
     resumes: bool,
     /// Stations of one activity end it alike.
@@ -103,20 +103,38 @@ enum Outcome {
     Limit,
 }
 
+/// By station, whether its counts are compared with those of another one.
+fn compares(line: &Line) -> Vec<bool> {
+    let compares = |id| line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
+    line.station_ids().map(compares).collect()
+}
+
+fn aim(compares: &[bool], units: &PlayedStations) -> Aim {
+    let mut generations = units.iter().zip(compares).filter(|(_, c)| **c).map(|(u, _)| u.report.generation);
+    match generations.next() {
+        None => Aim::InOrder,
+        Some(first) if first != 0 && generations.all(|other| other == first) => Aim::InOrder,
+        Some(_) => Aim::Home,
+    }
+}
+
+/// Whether auto founds a new generation of counts from there.
+pub(crate) fn begins_anew(line: &Line, units: &PlayedStations) -> bool {
+    aim(&compares(line), units) == Aim::Home
+}
+
 impl<'f, 'l> Search<'f, 'l> {
     /// `accepted`: the mode decision takes auto from there.
     pub fn new(
         floor: &'f PlayedLine<'l>,
-        (left_out, interrupted): (&'f [StationId], &'f [InterruptedTask]),
+        (left_out, situation): (&'f [StationId], &'f LineSituation),
         resumes: bool,
         (ends, kept): (&'f CommonEnds, &'f KeptWay),
         accepted: &'f dyn Fn(&PlayedStations) -> bool,
     ) -> Self {
         let line: &'l Line = floor.line;
-        let compares = |id| line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
-        let compares = line.station_ids().map(compares).collect();
-        let distances = Distances::new(line);
-        Search { floor, distances, compares, left_out, interrupted, resumes, ends, kept, accepted }
+        let (compares, distances) = (compares(line), Distances::new(line));
+        Search { floor, distances, compares, left_out, situation, resumes, ends, kept, accepted }
     }
 
     fn is_task_driven(&self, station: usize) -> bool {
@@ -125,17 +143,7 @@ impl<'f, 'l> Search<'f, 'l> {
 
     /// What every station is to be led to: home, unless their counts can be compared.
     fn aim(&self, units: &PlayedStations) -> Aim {
-        let mut generations = units.iter().zip(&self.compares).filter(|(_, c)| **c).map(|(u, _)| u.report.generation);
-        match generations.next() {
-            None => Aim::InOrder,
-            Some(first) if first != 0 && generations.all(|other| other == first) => Aim::InOrder,
-            Some(_) => Aim::Home,
-        }
-    }
-
-    /// Whether the stations are to be led home, where their counts begin anew.
-    pub fn leads_home(&self, units: &PlayedStations) -> bool {
-        self.aim(units) == Aim::Home
+        aim(&self.compares, units)
     }
 
     fn is_placed(&self, units: &PlayedStations, station: usize, aim: Aim) -> bool {
@@ -229,7 +237,12 @@ impl<'f, 'l> Search<'f, 'l> {
     fn actions(&self, units: &PlayedStations, station: usize) -> Vec<Move> {
         let id = StationId::at(station);
         let mut moves = Vec::new();
+        // On its recovery path *return* leads it on.
+        let is_on = self.situation.lead_on.contains(&id) && !units[station].report.recovering_home;
         for button in [PanelButton::Advance, PanelButton::Return] {
+            if button == PanelButton::Return && is_on {
+                continue;
+            }
             if let Some(pressed) = self.floor.press(units, station, button) {
                 let action = RecoveryAction::Press(id, button);
                 let motions = pressed.motions.into_iter().map(|place| (id, place)).collect();
@@ -287,7 +300,7 @@ impl<'f, 'l> Search<'f, 'l> {
             let task =
                 places.first().filter(|_| !after[station].report.at_home).and_then(|of| described.task_of(of.op));
             // Where several activities have ordered it with different numbers, which of them it was for is for a person to see.
-            let mut ordered = self.interrupted.iter().filter(|of| of.station == id && Some(of.task) == task);
+            let mut ordered = self.situation.interrupted.iter().filter(|of| of.station == id && Some(of.task) == task);
             let order = ordered.next().filter(|first| ordered.all(|other| other.numbers == first.numbers));
             let number = |parameter: &Parameter| ConfirmedNumber {
                 parameter: parameter.clone(),

@@ -101,6 +101,8 @@ pub struct LineSituation {
     pub interrupted: Vec<InterruptedTask>,
     /// What else keeps every mode from being given, in words: a second coordinator, a journal that cannot be written.
     pub obstacles: Vec<String>,
+    /// Stations that the person wants to be led on where *back* is possible too: their parts are seen, and by no state.
+    pub lead_on: Vec<StationId>,
     /// A station whose node runs with another description.
     pub misfit: Option<StationId>,
     /// By station; none where it is not heard.
@@ -124,6 +126,7 @@ impl LineSituation {
             unsettled: Vec::new(),
             interrupted: Vec::new(),
             obstacles: Vec::new(),
+            lead_on: Vec::new(),
             misfit: None,
             stations,
         }

@@ -323,10 +323,21 @@ impl LedActivity {
 }
 
 impl RecoveryPlan {
-    /// What follows its steps, where they do not lead to auto.
+    /// What is to be known before its steps: of stations that were to be led on, and cannot be.
+    pub fn begin_text(&self, line: &Line) -> Option<String> {
+        let names: Vec<&str> = self.not_led_on.iter().map(|id| line.station(*id).name.as_str()).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "{}: no presses lead on and to auto from here; the list is the one without that",
+                names.join(" and ")
+            )
+        })
+    }
+
+    /// What is to be known of its end: what auto does then, or why it does not lead there.
     pub fn end_text(&self, line: &Line) -> Vec<String> {
         match &self.end {
-            RecoveryEnd::Auto if self.begins_anew && self.presses() > 0 => vec![
+            RecoveryEnd::Auto if self.begins_anew && !self.steps.is_empty() => vec![
                 "auto begins a new cycle at every station: a part in the line that is not finished passes on as it is, unless it is worked \
                  on in manual before, or taken out"
                     .to_owned(),

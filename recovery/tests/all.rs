@@ -6,6 +6,7 @@ mod cells;
 mod commands;
 mod ends;
 mod holding;
+mod led_back;
 mod operator;
 mod random_plays;
 mod reasons;

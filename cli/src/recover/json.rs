@@ -7,7 +7,7 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::Block;
 use linewright_line::{Line, OperationModule};
 use linewright_recovery::{
-    ActivityEnd, LedActivity, Need, PlannedMotion, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep,
+    ActivityEnd, LedActivity, LedBack, Need, PlannedMotion, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep,
 };
 use serde::Serialize;
 
@@ -23,13 +23,15 @@ pub struct RecoveryJson {
     not_heard: Vec<String>,
     /// `auto`, `look again`, `no way`; null where the coordinator is not heard, or was started with another description.
     end: Option<&'static str>,
-    /// What is to be known of an end that is not auto.
+    /// What is to be known of the list and its end.
     remarks: Vec<String>,
     /// Faults that stand, as their stations report them.
     causes: Vec<CauseJson>,
     shortest: bool,
     /// Activities of a cell whose stations are led.
     activities: Vec<LedJson>,
+    /// Stations that are led back to where their cycle began, which auto begins anew.
+    led_back: Vec<LedBackJson>,
     steps: Vec<StepJson>,
 }
 
@@ -54,6 +56,28 @@ impl LedJson {
             stations: led.stations.iter().map(|id| line.station(*id).name.clone()).collect(),
             end: led.end.map(end),
             text: led.text(line),
+        }
+    }
+}
+
+/// A station that is led back, and its other way.
+#[derive(Serialize)]
+struct LedBackJson {
+    station: String,
+    /// How many presses of advance lead it on instead; null where advance alone does not.
+    presses_on: Option<usize>,
+    text: String,
+    /// The arguments of `linewright` that list the other way.
+    arguments: Vec<String>,
+}
+
+impl LedBackJson {
+    fn of(line: &Line, path: &str, back: &LedBack) -> Self {
+        LedBackJson {
+            station: line.station(back.station).name.clone(),
+            presses_on: back.presses_on,
+            text: back.text(line),
+            arguments: super::led_on(line, path, back),
         }
     }
 }
@@ -194,7 +218,10 @@ impl RecoveryJson {
             mode: client.coordinator().map(ModeJson::of),
             not_heard: client.unheard().map(str::to_owned).collect(),
             end: plan.map(end),
-            remarks: plan.map_or_else(|| client.other_descriptions(), |plan| plan.end_text(line)),
+            remarks: plan.map_or_else(
+                || client.other_descriptions(),
+                |plan| plan.begin_text(line).into_iter().chain(plan.end_text(line)).collect(),
+            ),
             causes: super::causes(line, |id| client.station(id))
                 .into_iter()
                 .map(|(station, state)| {
@@ -205,6 +232,9 @@ impl RecoveryJson {
             shortest: plan.is_some_and(|plan| plan.is_shortest),
             activities: plan
                 .map(|plan| plan.led.iter().map(|led| LedJson::of(line, led)).collect())
+                .unwrap_or_default(),
+            led_back: plan
+                .map(|plan| plan.led_back.iter().map(|back| LedBackJson::of(line, path, back)).collect())
                 .unwrap_or_default(),
             steps: found
                 .map(|found| {

@@ -44,6 +44,8 @@ pub struct ReasonedPlan {
 #[derive(Default)]
 pub struct NewestPlan {
     known: Option<(LineSituation, ReasonedPlan)>,
+    /// Stations that are to be led on.
+    lead_on: Vec<StationId>,
     reached: EndsReached,
     /// The search that is under way, with its begin.
     search: Option<(Instant, Receiver<(LineSituation, ReasonedPlan)>)>,
@@ -71,12 +73,18 @@ fn reasoned(line: &Line, situation: &LineSituation) -> ReasonedPlan {
 }
 
 impl NewestPlan {
+    /// Plans that lead these stations on, not back.
+    pub fn leading_on(lead_on: Vec<StationId>) -> Self {
+        NewestPlan { lead_on, ..NewestPlan::default() }
+    }
+
     /// The plan for what is received now, as far as it is known by now: a search goes on beside, and is asked for at the next look. None
     /// also where the coordinator is not received.
     pub fn look(&mut self, client: &OperatorClient, cell: Option<&CellClient>) -> Option<&ReasonedPlan> {
         let mut now = situation_now(client, cell);
         if let Some(situation) = &mut now {
             self.reached.complete(client.line(), situation);
+            situation.lead_on.clone_from(&self.lead_on);
         }
         self.take_found(Duration::ZERO);
         self.is_current = self.known.as_ref().map(|(known, _)| known) == now.as_ref();

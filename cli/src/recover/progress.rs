@@ -89,14 +89,7 @@ mod tests {
     }
 
     fn plan(steps: Vec<RecoveryStep>) -> RecoveryPlan {
-        RecoveryPlan {
-            steps,
-            end: RecoveryEnd::Auto,
-            is_shortest: true,
-            begins_anew: false,
-            led: Vec::new(),
-            expanded: 0,
-        }
+        RecoveryPlan::ends(steps, RecoveryEnd::Auto)
     }
 
     fn press() -> RecoveryStep {

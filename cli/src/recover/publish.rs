@@ -42,7 +42,12 @@ impl PublishedPlan {
 }
 
 /// Publishes until an interrupt.
-pub async fn run(client: &mut OperatorClient, mut cell: Option<CellClient>, path: &str) -> miette::Result<ExitCode> {
+pub async fn run(
+    client: &mut OperatorClient,
+    mut cell: Option<CellClient>,
+    mut newest: NewestPlan,
+    path: &str,
+) -> miette::Result<ExitCode> {
     let failed = |error: TopicError| miette!("{error}");
     let plans = client.node().publisher::<Text>("recovery_plan", qos::latched_state()).map_err(failed)?;
     let service = client.node().service::<Trigger>("recovery").map_err(failed)?;
@@ -51,7 +56,6 @@ pub async fn run(client: &mut OperatorClient, mut cell: Option<CellClient>, path
     let mut interrupts = Interrupts::listen()?;
     let mut looks = tokio::time::interval(LOOK_EVERY);
     let mut again = tokio::time::interval(AGAIN_EVERY);
-    let mut newest = NewestPlan::default();
     newest.settle(client, &mut cell).await?;
     let mut plan = PublishedPlan::of(client, path, newest.look(client, cell.as_ref()))?;
     crate::out::say!("publishes {}", plans.topic());

@@ -24,8 +24,7 @@ fn a_confirmation_is_offered_where_it_comes_next_and_nowhere_else() {
         mode: ControlMode::Manual,
         after: None,
     };
-    let plan =
-        |steps, end| RecoveryPlan { steps, end, is_shortest: true, begins_anew: false, led: Vec::new(), expanded: 0 };
+    let plan = RecoveryPlan::ends;
     let not_yet = "its position: first see `next`";
     let asks = StationState { blocked_by: vec!["rejoin: confirm it".to_owned()], ..StationState::default() };
     let waits = |next: &NextStep, id| next.shown(id, &asks).blocked_by.to_vec();

@@ -1,0 +1,65 @@
+//! Stations that a plan leads back to where their cycle began, before *auto* begins it anew.
+//!
+//! What they had begun to do with a part is taken back, and the counts that would tell the next station so are gone. Where the part is,
+//! no state says: a person sees it, and may lead the station on instead.
+
+use linewright_line::net::Block;
+use linewright_line::{Line, OpId, StationId};
+
+use crate::plan::RecoveryPlan;
+use crate::situation::LineSituation;
+use crate::step::{PanelButton, RecoveryAction};
+
+/// A station that is led back.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LedBack {
+    pub station: StationId,
+    /// The operations that are taken back, in the order in which they are.
+    pub taken_back: Vec<OpId>,
+    /// How many presses of *advance* alone lead it on to the end of its cycle instead, the others standing where they do; none where
+    /// they do not.
+    pub presses_on: Option<usize>,
+}
+
+/// The stations that a plan leads back, if auto begins anew after it.
+pub(crate) fn all(line: &Line, situation: &LineSituation, plan: &RecoveryPlan) -> Vec<LedBack> {
+    let taken_back = |id: StationId| -> Vec<OpId> {
+        let presses = plan.steps.iter().filter(|step| step.action == RecoveryAction::Press(id, PanelButton::Return));
+        let undone = presses.flat_map(|step| &step.moves).filter(|motion| motion.place.block == Block::Recovery);
+        undone.map(|motion| motion.place.op).collect()
+    };
+    let of = |station| {
+        let taken_back = taken_back(station);
+        (!taken_back.is_empty()).then(|| LedBack {
+            station,
+            taken_back,
+            presses_on: plan.presses_home(line, situation, station, PanelButton::Advance),
+        })
+    };
+    line.station_ids().filter(|_| plan.begins_anew).filter_map(of).collect()
+}
+
+impl LedBack {
+    /// What becomes of a part, and what the other way is.
+    pub fn text(&self, line: &Line) -> String {
+        let LedBack { station, taken_back, presses_on } = self;
+        let name = |id: StationId| line.station(id).name.as_str();
+        let arrows = line.arrows.iter().filter(|arrow| arrow.to.0 == *station && taken_back.contains(&arrow.to.1));
+        let since: Vec<String> =
+            arrows.map(|arrow| format!("`{}` of {}", line.operation(arrow.from).name, name(arrow.from.0))).collect();
+        let follows = if since.is_empty() { String::new() } else { format!(" (after {})", since.join(" and ")) };
+        let taken_back: Vec<String> =
+            taken_back.iter().map(|&op| format!("`{}`", line.operation((*station, op)).name)).collect();
+        let on = match presses_on {
+            Some(1) => "the other way: 1 press of advance, on to the end of its cycle".to_owned(),
+            Some(presses) => format!("the other way: {presses} presses of advance, on to the end of its cycle"),
+            None => "advance alone does not lead it on from here".to_owned(),
+        };
+        format!(
+            "{} is led back to where its cycle began, before {}{follows}. A part that it was to take, work on or pass on stays \
+             where it is, as it is: see where that is, and choose by it; {on}",
+            name(*station),
+            taken_back.join(" and "),
+        )
+    }
+}
