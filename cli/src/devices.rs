@@ -15,7 +15,7 @@ use crate::files;
 pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> {
     for device in &mut line.devices {
         let Some(file) = device.canopen().and_then(|canopen| canopen.setup.file.clone()) else { continue };
-        let path = dir.join(&file);
+        let path = files::beside(dir, &file).wrap_err_with(|| format!("device `{}`", device.name))?;
         let name = path.display().to_string();
         let eds = description(&path).wrap_err_with(|| format!("device `{}`", device.name))?;
         if !quiet {

@@ -2,9 +2,10 @@
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read as _};
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use miette::miette;
+use rustix::fs::Mode;
 
 /// A description may be this large; the parser refuses more, so no more is read.
 const TEXT_BYTES_MAX: usize = 4 << 20;
@@ -40,6 +41,28 @@ fn cannot_read(path: &Path, error: &io::Error) -> miette::Report {
         ),
         _ => miette!("cannot read {name}: {error}"),
     }
+}
+
+/// The path of a file that a description in `dir` names. Whoever runs it has rights that its author may not have, and errors show what stands
+/// in files: so it names what is in its directory or below. A symbolic link there may lead elsewhere, since the user has made it.
+///
+/// # Errors
+/// When the name leads out of the directory.
+pub fn beside(dir: &Path, file: &str) -> miette::Result<PathBuf> {
+    let is_inside = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
+    if Path::new(file).components().all(is_inside) {
+        return Ok(dir.join(file));
+    }
+    Err(miette!(
+        help = "copy it beside the description, or make a symbolic link to it there",
+        "`{file}` is not in the directory of the description"
+    ))
+}
+
+/// Files that this process makes from now on, and directories, are readable by their owner alone: journals, logs and databases
+/// show what is produced, and when. What is there already keeps its rights.
+pub fn keep_from_others() {
+    rustix::process::umask(Mode::RWXG | Mode::RWXO);
 }
 
 /// A directory that cannot be written to, with what to do.

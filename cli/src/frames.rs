@@ -16,7 +16,8 @@ pub fn complete(line: &mut Line, file: &Path) -> miette::Result<()> {
     let mut problems: Vec<Problem> = Vec::new();
     for device in &mut line.devices {
         let DeviceKind::Frames(frames) = &mut device.kind else { continue };
-        let database = database(&dir.join(&frames.file.name)).wrap_err_with(|| format!("device `{}`", device.name))?;
+        let database = files::beside(dir, &frames.file.name).and_then(|path| database(&path));
+        let database = database.wrap_err_with(|| format!("device `{}`", device.name))?;
         match bind(frames, &database) {
             Ok(bound) => frames.bound = Some(bound),
             Err(found) => problems.extend(found),

@@ -108,8 +108,9 @@ fn claim(
     Ok(claims)
 }
 
-/// Claims the files of `name` in a state directory, which is made if it is not there.
+/// Claims the files of `name` in a state directory, which is made if it is not there. What this process writes is its owner's alone.
 fn claim_file(dir: &Path, name: &str) -> miette::Result<Claim> {
+    crate::files::keep_from_others();
     std::fs::create_dir_all(dir).map_err(|error| crate::files::cannot_use(dir, &error))?;
     Claim::file(dir, name).map_err(|error| miette!("{error}"))
 }

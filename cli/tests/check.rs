@@ -296,6 +296,15 @@ receive = [{ message = "GaugeStatus", timeout_ms = 100 }]
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let message = json(&output)["problems"][0]["message"].as_str().expect("a message").to_owned();
     assert!(message.contains("device `gauge`") && message.contains("gauge.dbc: line "), "{message}");
+
+    // What leads out of the description's directory is not read, whatever it is.
+    for elsewhere in ["../gauge.dbc", "/etc/passwd", "sub/../../gauge.dbc"] {
+        let file = scratch.changed(head, &format!("{}\n{head}", frames.replace("gauge.dbc", elsewhere)));
+        let output = linewright(&["check", &file, "--structure", "--json"]);
+        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        let message = json(&output)["problems"][0]["message"].as_str().expect("a message").to_owned();
+        assert!(message.contains(&format!("`{elsewhere}` is not in the directory of the description")), "{message}");
+    }
 }
 
 #[test]

@@ -1,10 +1,15 @@
 //! The same as tables: a directory with a file for events, activities, parts and orders each, for other computations.
 //! RFC 4180; a first row of names, times as the report has them and beside that in microseconds.
+//!
+//! Names of orders and texts come from anybody who may submit one. A spreadsheet computes what begins as a formula does, and a
+//! formula can open addresses and start programs: such a text has an apostrophe before it, which marks it as a text there.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
+use csv::StringRecord;
 use linewright_coordinator_cell::tracking::{FinishedActivity, PartHistory};
 use linewright_history::{HistoryEvent, HistoryReader};
 use linewright_line::Tick;
@@ -59,25 +64,49 @@ pub fn write(story: &ReportSource, dir: &Path) -> miette::Result<()> {
     events(&story.reader, (story.from, story.to), dir, |event| event_row(story, event))
 }
 
-/// A table that has its first row even if it has no other.
-fn begin<T: Serialize + Default>(path: &Path) -> Result<csv::Writer<File>, csv::Error> {
-    let mut names = csv::Writer::from_writer(Vec::new());
-    names.serialize(T::default())?;
-    let both = names.into_inner().unwrap_or_default();
-    let mut first = csv::ReaderBuilder::new().from_reader(both.as_slice());
-    let mut to = csv::WriterBuilder::new().has_headers(false).from_path(path)?;
-    to.write_record(first.headers()?)?;
-    Ok(to)
+/// A table in a file.
+struct TableFile(csv::Writer<File>);
+
+impl TableFile {
+    /// A table that has its first row even if it has no other.
+    fn begin<T: Serialize + Default>(path: &Path) -> Result<Self, csv::Error> {
+        let [names, _] = &fields(&T::default())?[..] else { unreachable!("a row has the names before it") };
+        let mut to = csv::Writer::from_path(path)?;
+        to.write_record(names)?;
+        Ok(TableFile(to))
+    }
+
+    fn row<T: Serialize>(&mut self, row: &T) -> Result<(), csv::Error> {
+        for fields in fields(row)?.iter().skip(1) {
+            fields.iter().try_for_each(|field| self.0.write_field(as_text(field).as_bytes()))?;
+            self.0.write_record(None::<&[u8]>)?;
+        }
+        Ok(())
+    }
+}
+
+/// The names of a row and its fields.
+fn fields<T: Serialize>(row: &T) -> Result<Vec<StringRecord>, csv::Error> {
+    let mut one = csv::WriterBuilder::new().buffer_capacity(512).from_writer(Vec::new());
+    one.serialize(row)?;
+    let bytes = one.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    csv::ReaderBuilder::new().has_headers(false).buffer_capacity(512).from_reader(bytes.as_slice()).records().collect()
+}
+
+/// A field as it is written. Numbers with a sign are none of the texts that compute.
+fn as_text(field: &str) -> Cow<'_, str> {
+    let is_formula = field.starts_with(['=', '+', '-', '@', '\t', '\r']) && field.parse::<f64>().is_err();
+    if is_formula { Cow::Owned(format!("'{field}")) } else { Cow::Borrowed(field) }
 }
 
 pub fn table<T: Serialize + Default>(dir: &Path, name: &str, rows: impl Iterator<Item = T>) -> miette::Result<()> {
     let path = dir.join(name);
     let cannot = || format!("cannot write {}", path.display());
-    let mut to = begin::<T>(&path).into_diagnostic().wrap_err_with(cannot)?;
+    let mut to = TableFile::begin::<T>(&path).into_diagnostic().wrap_err_with(cannot)?;
     for row in rows {
-        to.serialize(row).into_diagnostic().wrap_err_with(cannot)?;
+        to.row(&row).into_diagnostic().wrap_err_with(cannot)?;
     }
-    to.flush().into_diagnostic().wrap_err_with(cannot)
+    to.0.flush().into_diagnostic().wrap_err_with(cannot)
 }
 
 /// Events are not kept in memory: they go from the one file into the other.
@@ -88,15 +117,15 @@ pub fn events(
     row: impl Fn(&HistoryEvent) -> EventRow,
 ) -> miette::Result<()> {
     let path = dir.join("event.csv");
-    let mut file = begin::<EventRow>(&path).into_diagnostic()?;
+    let mut file = TableFile::begin::<EventRow>(&path).into_diagnostic()?;
     let mut written = Ok(());
     let within = |event: HistoryEvent| {
         if event.at >= from && written.is_ok() {
-            written = file.serialize(row(&event));
+            written = file.row(&row(&event));
         }
     };
     reader.each(to, within).map_err(failed)?;
-    let written = written.and_then(|()| Ok(file.flush()?));
+    let written = written.and_then(|()| Ok(file.0.flush()?));
     written.map_err(|error| miette!("cannot write {}: {error}", path.display()))
 }
 
@@ -141,5 +170,40 @@ fn part(story: &ReportSource, passage: &PartHistory) -> PartRow {
         worked_s: in_seconds(passage.worked),
         moved_s: in_seconds(passage.moved),
         waited_s: times.map(|(_, waited): (Duration, Duration)| in_seconds(waited)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Default, Serialize)]
+    struct Row {
+        name: String,
+        late_s: f64,
+        text: Option<String>,
+    }
+
+    #[test]
+    fn what_a_spreadsheet_would_compute_is_a_text() {
+        let dir = tempfile::tempdir().expect("made");
+        let row = |name: &str, late_s| Row { name: name.to_owned(), late_s, text: Some("a, \"b\"\n=c".to_owned()) };
+        let rows = [
+            row("=HYPERLINK(\"http://x\")", -1.5),
+            row("+1", 2.0),
+            row("@SUM(1)", 0.0),
+            row("-x", 0.0),
+            row("'=", 0.0),
+        ];
+        table(dir.path(), "order.csv", rows.into_iter()).expect("written");
+        let mut read = csv::Reader::from_path(dir.path().join("order.csv")).expect("there");
+        assert_eq!(read.headers().expect("names"), vec!["name", "late_s", "text"]);
+        let read: Vec<[String; 3]> = read.deserialize().map(|row| row.expect("a row")).collect();
+        let names: Vec<&str> = read.iter().map(|row| row[0].as_str()).collect();
+        assert_eq!(names, ["'=HYPERLINK(\"http://x\")", "+1", "'@SUM(1)", "'-x", "'="]);
+        assert!(read.iter().all(|row| row[2] == "a, \"b\"\n=c"));
+        assert_eq!(read[0][1], "-1.5");
+        table(dir.path(), "none.csv", std::iter::empty::<Row>()).expect("written");
+        assert_eq!(std::fs::read_to_string(dir.path().join("none.csv")).expect("there"), "name,late_s,text\n");
     }
 }

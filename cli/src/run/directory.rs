@@ -36,6 +36,7 @@ impl RunDirectory {
     /// Why it cannot be used.
     pub fn new(given: Option<&Path>, line: &Line) -> miette::Result<Self> {
         let cannot = |dir: &Path| format!("cannot use {}", dir.display());
+        crate::files::keep_from_others();
         if let Some(dir) = given {
             let unusable = |error: std::io::Error| crate::files::cannot_use(dir, &error);
             std::fs::create_dir_all(dir).map_err(unusable)?;

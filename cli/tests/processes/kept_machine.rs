@@ -1,6 +1,7 @@
 //! A run that is killed half-way with a motion under way, and run again with the same state directory: the simulated machine
 //! stands where it stood, and auto comes back.
 
+use std::os::unix::fs::PermissionsExt as _;
 use std::time::Duration;
 
 use linewright_msgs::StationState;
@@ -19,6 +20,10 @@ fn a_run_that_is_killed_half_way_goes_on_without_a_lost_position() {
     drop(operator);
     rig.signal("KILL");
     assert!(wait_for(Duration::from_secs(10), || rig.processes().is_empty()), "all end with it: {:?}", rig.processes());
+    let files: Vec<_> = std::fs::read_dir(rig.state()).expect("there").map(|file| file.expect("a file")).collect();
+    let rights = |file: &std::fs::DirEntry| file.metadata().expect("there").permissions().mode() & 0o777;
+    let open: Vec<_> = files.iter().filter(|file| rights(file) & 0o077 != 0).map(|file| file.path()).collect();
+    assert!(files.len() > 5 && open.is_empty(), "readable by others: {open:?} of {} files", files.len());
     let kept = std::fs::read_to_string(rig.state().join("plant.json")).expect("positions are kept");
     assert!(kept.contains("\"mill_1\""), "{kept}");
 
