@@ -7,6 +7,7 @@ use linewright_line::net::Block;
 use linewright_line::{Line, OpId, StationId};
 
 use crate::plan::RecoveryPlan;
+use crate::reason::presses_home;
 use crate::situation::LineSituation;
 use crate::step::{PanelButton, RecoveryAction};
 
@@ -23,20 +24,24 @@ pub struct LedBack {
 
 /// The stations that a plan leads back, if auto begins anew after it.
 pub(crate) fn all(line: &Line, situation: &LineSituation, plan: &RecoveryPlan) -> Vec<LedBack> {
+    if !plan.begins_anew {
+        return Vec::new();
+    }
     let taken_back = |id: StationId| -> Vec<OpId> {
         let presses = plan.steps.iter().filter(|step| step.action == RecoveryAction::Press(id, PanelButton::Return));
         let undone = presses.flat_map(|step| &step.moves).filter(|motion| motion.place.block == Block::Recovery);
         undone.map(|motion| motion.place.op).collect()
     };
-    let of = |station| {
-        let taken_back = taken_back(station);
-        (!taken_back.is_empty()).then(|| LedBack {
-            station,
-            taken_back,
-            presses_on: plan.presses_home(line, situation, station, PanelButton::Advance),
-        })
+    let all: Vec<(StationId, Vec<OpId>)> = line.station_ids().map(|id| (id, taken_back(id))).collect();
+    let mut led_back = all.into_iter().filter(|(_, taken_back)| !taken_back.is_empty()).peekable();
+    let Some((floor, units)) = led_back.peek().and_then(|_| plan.begin_in_manual(line, situation)) else {
+        return Vec::new();
     };
-    line.station_ids().filter(|_| plan.begins_anew).filter_map(of).collect()
+    let of = |(station, taken_back)| {
+        let presses_on = presses_home(&floor, units.clone(), station, PanelButton::Advance);
+        LedBack { station, taken_back, presses_on }
+    };
+    led_back.map(of).collect()
 }
 
 impl LedBack {

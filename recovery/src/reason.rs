@@ -79,31 +79,12 @@ impl RecoveryPlan {
 
     /// Whether presses of *return* alone lead a station home in manual, as along its recovery path.
     pub fn returns_home(&self, line: &Line, situation: &LineSituation, station: StationId) -> bool {
-        self.presses_home(line, situation, station, PanelButton::Return).is_some()
-    }
-
-    /// How many presses of one button lead a station home in manual, the others standing where they are; none where they do not.
-    pub(crate) fn presses_home(
-        &self,
-        line: &Line,
-        situation: &LineSituation,
-        station: StationId,
-        button: PanelButton,
-    ) -> Option<usize> {
-        let (floor, mut units) = self.begin_in_manual(line, situation)?;
-        // Each operation is done, or taken back, at most once.
-        for presses in 1..=line.station(station).operations.len() + 1 {
-            units = floor.press(&units, station.index(), button)?.units;
-            let report = &units[station.index()].report;
-            if report.at_home && report.incomplete.is_empty() {
-                return Some(presses);
-            }
-        }
-        None
+        let begun = self.begin_in_manual(line, situation);
+        begun.is_some_and(|(floor, units)| presses_home(&floor, units, station, PanelButton::Return).is_some())
     }
 
     /// The stations in manual, when what a person has to see to is done.
-    fn begin_in_manual<'l>(
+    pub(crate) fn begin_in_manual<'l>(
         &self,
         line: &'l Line,
         situation: &LineSituation,
@@ -201,6 +182,24 @@ impl RecoveryPlan {
         }
         None
     }
+}
+
+/// How many presses of one button lead a station home, the others standing where they are; none where they do not.
+pub(crate) fn presses_home(
+    floor: &PlayedLine<'_>,
+    mut units: PlayedStations,
+    station: StationId,
+    button: PanelButton,
+) -> Option<usize> {
+    // Each operation is done, or taken back, at most once.
+    for presses in 1..=floor.line.station(station).operations.len() + 1 {
+        units = floor.press(&units, station.index(), button)?.units;
+        let report = &units[station.index()].report;
+        if report.at_home && report.incomplete.is_empty() {
+            return Some(presses);
+        }
+    }
+    None
 }
 
 /// The stations after a step; as before where it moves none. None where it has no effect.
