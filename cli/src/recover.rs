@@ -279,7 +279,7 @@ fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<Strin
     lines.extend(plan.led.iter().map(|led| led.text(line)));
     lines.extend(plan.begin_text(line));
     lines.extend(plan.led_back.iter().flat_map(|back| {
-        let other_way = back.presses_on.map(|_| format!("       {}", typed_words(&led_on(line, path, back))));
+        let other_way = back.presses_on.map(|_| format!("   other way: {}", typed_words(&led_on(line, path, back))));
         std::iter::once(back.text(line)).chain(other_way)
     }));
     for (at, (step, why)) in plan.steps.iter().zip(&found.reasons).enumerate() {

@@ -106,7 +106,10 @@ impl CommonEnds {
             let tasks: Vec<TaskUnderWay> = alarm.lead.iter().filter(|id| led.contains(id)).filter_map(task).collect();
             let named: Vec<(StationId, TaskId)> = tasks.iter().map(|of| (of.station, of.task)).collect();
             let pairs = order::pairs(line, &named);
-            ActivityUnderWay { alarm: alarm.id, decided: alarm.end.clone(), tasks, pairs }
+            let is_asked = tasks.iter().any(|of| situation.lead_on.contains(&of.station));
+            let asked = || DecidedEnd { end: ActivityEnd::Done, because: "it was asked for".to_owned() };
+            let decided = alarm.end.clone().or_else(|| is_asked.then(asked));
+            ActivityUnderWay { alarm: alarm.id, decided, tasks, pairs }
         };
         CommonEnds { activities: situation.alarms.iter().map(of).filter(|of| !of.tasks.is_empty()).collect() }
     }

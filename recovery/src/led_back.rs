@@ -29,8 +29,13 @@ pub(crate) fn all(line: &Line, situation: &LineSituation, plan: &RecoveryPlan) -
     }
     let taken_back = |id: StationId| -> Vec<OpId> {
         let presses = plan.steps.iter().filter(|step| step.action == RecoveryAction::Press(id, PanelButton::Return));
-        let undone = presses.flat_map(|step| &step.moves).filter(|motion| motion.place.block == Block::Recovery);
-        undone.map(|motion| motion.place.op).collect()
+        let (moving, still): (Vec<_>, Vec<_>) = presses.partition(|step| !step.moves.is_empty());
+        // What had begun, and has not left its switch yet, is taken back without a motion.
+        let report = situation.stations[id.index()].as_ref().filter(|_| !still.is_empty());
+        let begun = report.into_iter().flat_map(|report| report.incomplete.iter().map(|(op, _)| *op));
+        let undone = moving.into_iter().flat_map(|step| &step.moves);
+        let undone = undone.filter(|motion| motion.place.block == Block::Recovery).map(|motion| motion.place.op);
+        begun.chain(undone).collect()
     };
     let all: Vec<(StationId, Vec<OpId>)> = line.station_ids().map(|id| (id, taken_back(id))).collect();
     let mut led_back = all.into_iter().filter(|(_, taken_back)| !taken_back.is_empty()).peekable();
@@ -61,8 +66,9 @@ impl LedBack {
             None => "advance alone does not lead it on from here".to_owned(),
         };
         format!(
-            "{} is led back to where its cycle began, before {}{follows}. A part that it was to take, work on or pass on stays \
-             where it is, as it is: see where that is, and choose by it; {on}",
+            "{} is led back to where its cycle began, before {}{follows}. The part that it was to take then stays in the machine before it, \
+             and the next one may come onto it; what it was working on is not finished; what it grips it lets go. Look where its part is; \
+             {on}",
             name(*station),
             taken_back.join(" and "),
         )

@@ -308,9 +308,11 @@ impl LedActivity {
                 self.alarm
             );
         };
-        let (way, other) = match end {
-            ActivityEnd::Done => (format!("led on to the end of {their}"), "back"),
-            ActivityEnd::TakenBack => (format!("led back to where {their} began"), "on"),
+        let (way, other, answer) = match end {
+            ActivityEnd::Done => (format!("led on to the end of {their}"), "back", "done, mostly `as-done`"),
+            ActivityEnd::TakenBack => {
+                (format!("led back to where {their} began"), "on", "not begun, mostly `as-before`")
+            }
         };
         let why = match &self.decided {
             Some(decided) if decided.end == end => format!("since {}", decided.because),
@@ -318,7 +320,10 @@ impl LedActivity {
             Some(decided) => format!("although {}: no presses were found that lead {other}", decided.because),
             None => "which is shorter".to_owned(),
         };
-        format!("alarm {}: {names} {are} {way}, {why}{unordered}", self.alarm)
+        format!(
+            "alarm {}: {names} {are} {way}, {why}. The answer is then that for what is {answer}{unordered}",
+            self.alarm
+        )
     }
 }
 
@@ -338,8 +343,8 @@ impl RecoveryPlan {
     pub fn end_text(&self, line: &Line) -> Vec<String> {
         match &self.end {
             RecoveryEnd::Auto if self.begins_anew && !self.steps.is_empty() => vec![
-                "auto begins a new cycle at every station: a part in the line that is not finished passes on as it is, unless it is worked \
-                 on in manual before, or taken out"
+                "auto begins a new cycle at every station, as of an empty line: what lies in it passes on as it is, finished or not, and the \
+                 next part may come onto it. Look at every station before; take parts out, or finish them in manual"
                     .to_owned(),
             ],
             RecoveryEnd::Auto => Vec::new(),

@@ -3,8 +3,9 @@
 use std::time::Duration;
 
 use linewright_line::StationId;
+use linewright_plant::MotionFault;
 use linewright_recovery::{LineSituation, PanelButton, RecoveryAction, RecoveryEnd, RecoveryPlan, plan};
-use linewright_simulation::{LineSim, NodeProcess, OperatorAction};
+use linewright_simulation::{LineSim, MotionSelection, NodeProcess, OperatorAction};
 use linewright_testkit::built::transfer_line;
 
 use crate::operator::{in_auto, run_for, situation};
@@ -40,8 +41,8 @@ fn what_is_led_back_has_its_other_way_named_and_can_be_led_on() {
         texts,
         [
             "mill_1 is led back to where its cycle began, before `rapid advance positioning slide` (after `advance clamp` of clamp_1). \
-          A part that it was to take, work on or pass on stays where it is, as it is: see where that is, and choose by it; \
-          the other way: 4 presses of advance, on to the end of its cycle"
+          The part that it was to take then stays in the machine before it, and the next one may come onto it; what it was \
+          working on is not finished; what it grips it lets go. Look where its part is; the other way: 4 presses of advance, on to the end of its cycle"
         ]
     );
     let on = LineSituation { lead_on: vec![mill], ..now };
@@ -51,6 +52,28 @@ fn what_is_led_back_has_its_other_way_named_and_can_be_led_on() {
     assert!(presses(&found, mill).iter().all(|button| *button == PanelButton::Advance), "{:?}", found.steps);
     assert!(found.led_back.iter().all(|back| back.station != mill));
     assert!(presses(&found, mill).len() > 1);
+}
+
+/// A motion that has begun, and jams before it has left its switch: what takes it back moves nothing.
+#[test]
+fn what_is_taken_back_without_a_motion_is_named_as_well() {
+    let mut sim = in_auto(&transfer_line(), 1, Duration::from_millis(10));
+    let (line, clamp) = (sim.line().clone(), NodeProcess::Station(StationId(1)));
+    let mill = line.station_named("mill_1").expect("a station");
+    let first = line.station(mill).op_ids().next().expect("an operation");
+    let stick = OperatorAction::Fail((mill, first), MotionSelection::Normal, Some(MotionFault::Stick));
+    sim.act(stick).expect("it is done");
+    run_for(&mut sim, Duration::from_secs(8));
+    for action in [OperatorAction::Kill(clamp), OperatorAction::RestartEmpty(clamp)] {
+        sim.act(action).expect("it is done");
+        run_for(&mut sim, Duration::from_secs(3));
+    }
+    let now = situation(&sim);
+    let found = plan(&line, &now);
+    let press = found.steps.iter().find(|step| step.action == RecoveryAction::Press(mill, PanelButton::Return));
+    assert!(press.is_some_and(|press| press.moves.is_empty()), "{}", crate::operator::described(&sim));
+    let back = found.led_back.iter().find(|back| back.station == mill).expect("it is named");
+    assert_eq!((&back.taken_back[..], back.presses_on), (&[first][..], Some(5)));
 }
 
 /// Its last list is *command auto* alone: what becomes of parts stands there too.

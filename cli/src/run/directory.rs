@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use linewright_line::{Line, Tick};
 use linewright_plant::PlantOptions;
-use linewright_racks::{KeptPositions, kept_positions};
+use linewright_racks::{KEPT_IN, KeptPositions, kept_positions};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 /// For a directory with journals of an earlier run and no positions of its machine.
@@ -67,6 +67,22 @@ impl RunDirectory {
             Ok(KeptPositions::Racks(_)) => None,
             Err(why) => Some(why),
         }
+    }
+
+    /// Why auto is not to be given by itself: stations of an earlier run have no journal any more, and what was done to the parts in the
+    /// machine is not known.
+    pub fn lost_journals(&self, line: &Line) -> Option<String> {
+        let is_used = self.has_journals || self.dir.join(KEPT_IN).exists();
+        let is_lost = |name: &&str| !self.dir.join(format!("{name}.journal")).exists();
+        let lost: Vec<&str> = line.stations.iter().map(|station| station.name.as_str()).filter(is_lost).collect();
+        (is_used && !lost.is_empty()).then(|| {
+            format!(
+                "{} has no journal of {}: what was done to the parts in the line is not known, and auto is not given by this run. Look at \
+                 every station, take parts out or finish them; `linewright recover` lists the way",
+                self.dir.display(),
+                lost.join(", ")
+            )
+        })
     }
 
     /// Removes a temporary directory, unless the run failed: its logs are needed then.
@@ -147,6 +163,22 @@ mod tests {
         assert_eq!(left.len(), 1, "the name alone: {left:?}");
         let full = RunDirectory::new(Some(Path::new("/proc")), &own).err().expect("nothing can be written there");
         assert!(full.to_string().starts_with("cannot use /proc: ") && full.help().is_some(), "{full}");
+    }
+
+    #[test]
+    fn auto_is_not_given_where_journals_of_an_earlier_run_are_gone() {
+        let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+        let lost = || RunDirectory::new(Some(dir.path()), &line).expect("it can be used").lost_journals(&line);
+        let file = |name: &str| dir.path().join(name);
+        assert_eq!(lost(), None, "the first run there");
+        std::fs::write(file(KEPT_IN), "{}").expect("a file");
+        assert!(lost().is_some_and(|why| line.stations.iter().all(|station| why.contains(&station.name))));
+        for station in &line.stations {
+            std::fs::write(file(&format!("{}.journal", station.name)), "").expect("a file");
+        }
+        assert_eq!(lost(), None);
+        std::fs::remove_file(file("clamp_1.journal")).expect("a file");
+        assert!(lost().is_some_and(|why| why.contains("no journal of clamp_1: ")));
     }
 
     #[test]

@@ -128,12 +128,18 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     let own = if args.no_plant { None } else { OwnBuses::create(&about).into_diagnostic()? };
     let bus = BusOptions { dir: own.as_ref().map(|own| own.dir().to_owned()), ..BusOptions::default() };
     let scratch = RunDirectory::new(args.state_dir.as_deref(), &line)?;
+    // A cell's log has its parts, and its alarms ask about them.
+    let lost = scratch.lost_journals(&line).filter(|_| cell.is_none());
     nothing_runs_yet(&line, &args, &ros, &bus)?;
     addresses_are_free(&line, &args).await?;
     let mut children = Children::new(&scratch.dir, own.as_ref().map(OwnBuses::dir), &load::files_of(&args.line))?;
     let mut session = Session::open(&line, &args, &ros, &scratch.dir, &bus).await?;
     if !args.no_plant {
         scratch.machine_note(&line).into_iter().for_each(|note| session.note(note));
+    }
+    if let Some(note) = lost {
+        session.note(note);
+        session.auto_once = AutoOnce::by_others();
     }
     let dir = args.state_dir.as_deref().filter(|_| cell.is_none());
     if let Some(note) = dir.and_then(|dir| not_recorded(dir, &line)) {
