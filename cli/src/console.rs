@@ -7,12 +7,13 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::Args as ClapArgs;
 use linewright_console_server::PageServer;
 use linewright_console_view::{ConsoleInputs, ConsoleView, PageFeed, PageFrame, ReasonsByResource};
-use linewright_line::{Line, StationId};
+use linewright_fieldbus::Clock;
+use linewright_line::{Line, StationId, Tick};
 use linewright_msgs::CycleTime;
 use linewright_node_shell::{RosArgs, forward, qos};
 use miette::miette;
@@ -83,7 +84,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
 
 /// What the console keeps beside the newest states.
 struct ConsoleLoop {
-    begin: Instant,
+    clock: Clock,
     view: ConsoleView,
     feed: PageFeed,
     plan: NewestPlan,
@@ -96,7 +97,7 @@ struct ConsoleLoop {
 impl ConsoleLoop {
     fn new(line: &Line, is_cell: bool) -> Self {
         ConsoleLoop {
-            begin: Instant::now(),
+            clock: Clock::start(),
             view: ConsoleView::new(line, is_cell, mode_name),
             feed: PageFeed::default(),
             plan: NewestPlan::default(),
@@ -106,17 +107,22 @@ impl ConsoleLoop {
         }
     }
 
+    /// Time since the begin of the console, in which the machine may have slept.
+    fn now(&self) -> Duration {
+        self.clock.now().since(Tick::ZERO)
+    }
+
     /// A station's state has come.
     fn station(&mut self, client: &OperatorClient, id: StationId) {
         if let Some(aged) = client.station_aged(id) {
-            self.view.take_station(self.begin.elapsed(), id, aged.state);
+            self.view.take_station(self.now(), id, aged.state);
         }
     }
 
     /// The frame of now.
     fn frame(&mut self, client: &OperatorClient, cell: Option<&CellClient>) -> PageFrame {
         let next = look(&mut self.plan, client, cell);
-        let now = self.begin.elapsed();
+        let now = self.now();
         let life = client.coordinator_aged().map(|aged| aged.state.boot_id);
         if life != self.coordinator {
             // What another one has sent is of before.

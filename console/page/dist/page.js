@@ -131,17 +131,28 @@ var e4=n3.__np;if(e4){var u4=n3.props;for(var a5 in e4)u4[a5]=e4[a5]}n3.__np=voi
 i4(n3)});b2("__h",function(i4,n3,r4,t5){t5<3&&(n3.__$f|=2),i4(n3,r4,t5)});x.prototype.shouldComponentUpdate=function(i4,n3){if(this.__R)return!0;var r4=this.__$u,
 t5=r4&&r4.s!==void 0;for(var f5 in n3)return!0;if(this.__f||typeof this.u=="boolean"&&this.u===!0){var o5=2&this.__$f;if(!(t5||o5||4&this.__$f)||1&this.__$f)return!0}else if(!(t5||
 4&this.__$f)||3&this.__$f)return!0;for(var e4 in i4)if(e4!=="__source"&&i4[e4]!==this.props[e4])return!0;for(var u4 in this.props)if(!(u4 in i4))return!0;return!1};
-function useSignal(i4,n3){return w2(function(){return y3(i4,n3)},[])}var A3=function(i4){queueMicrotask(function(){queueMicrotask(i4)})};function F3(){r3(function(){for(var i4;i4=g4.shift();)h4.call(i4)})}function M(){g4.push(this)===1&&(n.requestAnimationFrame||A3)(F3)}var t4={overview:"Overview",chart:"Chart",alarms:"Alarms",cell:"Cell",waiting:"Waiting",pages:"Pages",mode:"Mode",unknown:"unknown",not_all:"not acknowledged by",
-left_out:"Left out",restarted:"Restarted",next:"Next step of recovery",all_steps:"all: linewright recover",cycle:"Last cycle",no_cycle:"none yet",count:"Cycle",
-alarms_none:"no alarms",more_alarms:count=>count===1?"1 alarm":`${count} alarms`,priority:"Priority",state:"State",source:"From",age:"Age",text:"What has happen\
-ed, and what to do",answers:"Answers",lead:"Before the answer, lead to a rest by hand",way:"Which way",reset:"First reset",at_order:"Still at its order",bring:(station,rest)=>`\
-Before the answer, bring ${station} to ${rest} in hand mode`,parts:"Parts",inside:(inside,left)=>`${inside} inside, ${left} have left`,nothing_starts:"nothing s\
-tarts",in_progress:"In progress",failed:"failed",orders:"Orders",open:count=>`${count} not over`,out_of_service:"Out of service",part:"Part",stage:"Stage",place:"\
-Place",order:"Order",none:"none",waits_for:"Waits for",waits_for_nothing:"waits for nothing",ago:seconds=>`−${seconds} s`,now:"now",window:"Time shown",seconds:seconds=>`${seconds}\
- s`,legend:"Legend",at_rest:"at rest",lost:seconds=>`No connection to the console for ${seconds} s. Values that are struck through are from before.`,never:"No c\
-onnection to the console yet.",reads_only:"This page reads. It commands nothing."},health={unknown:"unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"\
-left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"under way back",halted:"begun, stands",stopped:"stopped before it\
-s end",unknown:"unknown"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
+function useSignal(i4,n3){return w2(function(){return y3(i4,n3)},[])}var A3=function(i4){queueMicrotask(function(){queueMicrotask(i4)})};function F3(){r3(function(){for(var i4;i4=g4.shift();)h4.call(i4)})}function M(){g4.push(this)===1&&(n.requestAnimationFrame||A3)(F3)}var LOST_AFTER_MS=380,LOOK_EVERY_MS=50,CONNECT_AGAIN_MS=400,SILENT_MS=3e3,shown=y3(null),lost_for=y3(null),sequence=0,drawn_at=performance.now(),received_at=performance.
+now(),least_offset=1/0;function drawn(of){drawn_at=Math.max(drawn_at,performance.now()-of.late_ms),look()}function changed(value,path,at2,to){if(at2===path.length)
+return to;let step=path[at2];if(Array.isArray(value)&&typeof step=="number"&&step<value.length){let copy=value.slice();return copy[step]=changed(value[step],path,
+at2+1,to),copy}if(value!==null&&typeof value=="object"&&Object.hasOwn(value,step)){let from=value;return{...from,[step]:changed(from[step],path,at2+1,to)}}throw new Error(
+"a change at a place that the page does not have")}function take(frame){let page=frame.page;if(page===void 0){if(shown.value===null||frame.sequence!==sequence+1)
+throw new Error("a frame was missed");page=(frame.changes??[]).reduce((page2,[path,to])=>changed(page2,path,0,to),shown.value.page)}sequence=frame.sequence;let offset=performance.
+now()-frame.now_ms;least_offset=Math.min(least_offset,offset);let late_ms=offset-least_offset;late_ms<LOST_AFTER_MS&&(received_at=performance.now()),shown.value=
+{page,now_ms:frame.now_ms,late_ms}}function connect(){let socket=new WebSocket(`ws://${location.host}/feed`);received_at=performance.now(),least_offset=1/0;let silent=setInterval(
+()=>{performance.now()-received_at>SILENT_MS&&socket.close()},CONNECT_AGAIN_MS);socket.onmessage=event=>{try{take(JSON.parse(event.data)),socket.send(String(sequence))}catch(error){
+console.error(error),socket.close()}},socket.onclose=()=>{clearInterval(silent),setTimeout(connect,CONNECT_AGAIN_MS)}}function look(){let age=performance.now()-
+drawn_at,is_lost=age>LOST_AFTER_MS;document.documentElement.classList.toggle("lost",is_lost),lost_for.value=is_lost?Math.floor(age/100)*100:null}function begin(){
+setInterval(look,LOOK_EVERY_MS),document.addEventListener("visibilitychange",look),connect()}var t4={overview:"Overview",chart:"Chart",alarms:"Alarms",cell:"Cell",waiting:"Waiting",pages:"Pages",mode:"Mode",unknown:"unknown",not_all:"not acknowledged by",
+left_out:"Left out",restarted:"Restarted",next:"Next step of recovery",all_steps:"all: linewright recover",cycle:"Last cycle, standstill in it included",no_cycle:"\
+none yet",count:"Cycle",alarms_none:"no alarms",more_alarms:count=>count===1?"1 alarm":`${count} alarms`,priority:"Priority",state:"State",source:"From",age:"Ag\
+e",text:"What has happened, and what to do",answers:"Answers",lead:"Before the answer, lead to a rest by hand",way:"Which way",reset:"First reset",at_order:"Sti\
+ll at its order",bring:(station,rest)=>`Before the answer, bring ${station} to ${rest} in hand mode`,parts:"Parts",inside:(inside,left)=>`${inside} inside, ${left}\
+ have left`,nothing_starts:"nothing starts",in_progress:"In progress",failed:"failed",orders:"Orders",open:count=>`${count} not over`,out_of_service:"Out of ser\
+vice",part:"Part",stage:"Stage",place:"Place",order:"Order",none:"none",waits_for:"Waits for",waits_for_nothing:"waits for nothing",ago:seconds=>`−${seconds} \
+s`,now:"now",last_frame:"last frame",window:"Time shown",seconds:seconds=>`${seconds} s`,legend:"Legend",at_rest:"at rest",lost:seconds=>`No connection to the c\
+onsole for ${seconds} s. Values that are struck through are from before.`,never:"No connection to the console yet.",reads_only:"This page reads. It commands not\
+hing."},health={unknown:"unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"\
+under way",undoing:"under way back",halted:"begun, stands",stopped:"stopped before its end",unknown:"unknown"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
 props:p5,key:n3,ref:c4,__k:null,__:null,__b:0,__e:null,__c:null,constructor:f4,__v:--o4,__i:-1,__u:0};return(a5||i4)&&(s4.__source=a5,s4.__self=i4),n.vnode&&n.vnode(
 s4),s4}var WINDOWS_S=[12,30,60,120],WIDTH=1e3,HEIGHT=18,window_s=y3(30);function bar(stretch,now_ms,span_ms){let x3=at2=>WIDTH*(1-(now_ms-at2)/span_ms),from=Math.max(0,
 x3(stretch.from_ms)),to=x3(stretch.to_ms??now_ms);return to<=0?null:a4("rect",{class:`bar ${stretch.kind}`,x:from,y:"2",width:Math.max(to-from,1),height:HEIGHT-
@@ -155,17 +166,7 @@ aceOnUse",patternTransform:"rotate(45)",children:[a4("rect",{class:"hatch-ground
 a4("fieldset",{class:"choice",children:[a4("legend",{children:t4.window}),WINDOWS_S.map(seconds=>a4("button",{"aria-pressed":window_s.value===seconds,onClick:()=>window_s.
 value=seconds,children:t4.seconds(seconds)},seconds))]}),a4(Legend,{}),shown2.page.lanes.map(of=>a4("table",{class:"lanes",children:[a4("caption",{children:of.station}),
 a4("tbody",{children:of.lanes.map((lane,at2)=>a4(LaneRow,{lane,shown:shown2},at2))}),a4("tfoot",{children:a4("tr",{children:[a4("td",{colSpan:2}),a4("td",{class:"\
-axis",children:[a4("span",{children:t4.ago(window_s.value)}),a4("span",{children:t4.now})]})]})})]},of.station))]})}var LOST_AFTER_MS=380,LOOK_EVERY_MS=50,CONNECT_AGAIN_MS=400,SILENT_MS=3e3,shown=y3(null),lost_for=y3(null),sequence=0,drawn_at=performance.now(),received_at=performance.
-now();function drawn(){drawn_at=performance.now(),look()}function changed(value,path,at2,to){if(at2===path.length)return to;let step=path[at2];if(Array.isArray(
-value)&&typeof step=="number"&&step<value.length){let copy=value.slice();return copy[step]=changed(value[step],path,at2+1,to),copy}if(value!==null&&typeof value==
-"object"&&Object.hasOwn(value,step)){let from=value;return{...from,[step]:changed(from[step],path,at2+1,to)}}throw new Error("a change at a place that the page \
-does not have")}function take(frame){let page=frame.page;if(page===void 0){if(shown.value===null||frame.sequence!==sequence+1)throw new Error("a frame was misse\
-d");page=(frame.changes??[]).reduce((page2,[path,to])=>changed(page2,path,0,to),shown.value.page)}sequence=frame.sequence,shown.value={page,now_ms:frame.now_ms}}
-function connect(){let socket=new WebSocket(`ws://${location.host}/feed`);received_at=performance.now();let silent=setInterval(()=>{performance.now()-received_at>
-SILENT_MS&&socket.close()},CONNECT_AGAIN_MS);socket.onmessage=event=>{received_at=performance.now();try{take(JSON.parse(event.data)),socket.send(String(sequence))}catch(error){
-console.error(error),socket.close()}},socket.onclose=()=>{clearInterval(silent),setTimeout(connect,CONNECT_AGAIN_MS)}}function look(){let age=performance.now()-
-drawn_at,is_lost=age>LOST_AFTER_MS;document.documentElement.classList.toggle("lost",is_lost),lost_for.value=is_lost?Math.floor(age/100)*100:null}function begin(){
-setInterval(look,LOOK_EVERY_MS),document.addEventListener("visibilitychange",look),connect()}var SHAPES={1:"M1 1h18v18H1z",2:"M10 1 19 19H1z",3:"M1 1h18L10 19z"};function Priority({of,text}){return a4("span",{class:"priority",children:[a4("svg",{viewBox:"\
+axis",children:[a4("span",{children:t4.ago(window_s.value)}),a4("span",{children:lost_for.value===null?t4.now:t4.last_frame})]})]})})]},of.station))]})}var SHAPES={1:"M1 1h18v18H1z",2:"M10 1 19 19H1z",3:"M1 1h18L10 19z"};function Priority({of,text}){return a4("span",{class:"priority",children:[a4("svg",{viewBox:"\
 0 0 20 20",class:`p${of}`,"aria-hidden":"true",children:[a4("path",{d:SHAPES[of]}),a4("text",{x:"10",y:of===3?11:15.5,"text-anchor":"middle",children:of})]}),text]})}
 function HealthSign({of}){return a4("span",{class:`health ${of} value`,children:health[of]})}function List({of}){return a4("ul",{children:of.map((text,at2)=>a4(
 "li",{class:"value",children:text},at2))})}function Heads({of}){return a4("thead",{children:a4("tr",{children:of.map(head=>a4("th",{scope:"col",children:head},head))})})}
@@ -206,9 +207,9 @@ hange",()=>at.value=here());function Banner({page}){let first=page.alarms[0];ret
 "a",{class:"banner",href:"#alarms",children:[a4(Priority,{of:first.priority,text:first.priority_text}),a4("span",{class:"value what",children:`${first.source}: ${first.
 text}`}),a4("span",{class:"value",children:t4.more_alarms(page.alarms.length)})]})}function Lost(){let age=lost_for.value;if(age===null)return null;let text=shown.
 value===null?t4.never:t4.lost((age/1e3).toFixed(1));return a4("div",{id:"lost",role:"alert",children:text})}function Body(){let now=shown.value;if(F2(()=>{now!==
-null&&drawn()},[now]),now===null)return null;let page=now.page,name=at.value==="cell"&&!page.is_cell?"overview":at.value;return a4($,{children:[a4("header",{children:[
-a4("div",{class:"title",children:[a4("h1",{children:page.title}),a4("p",{children:[t4.mode,":"," ",a4("strong",{id:"mode",class:page.mode.is_known?"value":"valu\
-e is-unknown",children:page.mode.is_known?page.mode.word:t4.unknown})]})]}),a4("nav",{"aria-label":t4.pages,children:names.filter(name2=>name2!=="cell"||page.is_cell).
-map(of=>a4("a",{href:`#${of}`,"aria-current":of===name?"page":void 0,children:t4[of]},of))}),a4(Banner,{page})]}),a4("main",{children:[name==="overview"&&a4(Overview,
-{page}),name==="chart"&&a4(Chart,{shown:now}),name==="alarms"&&a4(Alarms,{page}),name==="cell"&&a4(Cell,{page}),name==="waiting"&&a4(Waiting,{page})]}),a4("foot\
-er",{children:t4.reads_only})]})}Q(a4($,{children:[a4(Body,{}),a4(Lost,{})]}),document.getElementById("page"));begin();
+null&&drawn(now)},[now]),now===null)return null;let page=now.page,name=at.value==="cell"&&!page.is_cell?"overview":at.value;return a4($,{children:[a4("header",{
+children:[a4("div",{class:"title",children:[a4("h1",{children:page.title}),a4("p",{children:[t4.mode,":"," ",a4("strong",{id:"mode",class:page.mode.is_known?"va\
+lue":"value is-unknown",children:page.mode.is_known?page.mode.word:t4.unknown})]})]}),a4("nav",{"aria-label":t4.pages,children:names.filter(name2=>name2!=="cell"||
+page.is_cell).map(of=>a4("a",{href:`#${of}`,"aria-current":of===name?"page":void 0,children:t4[of]},of))}),a4(Banner,{page})]}),a4("main",{children:[name==="ove\
+rview"&&a4(Overview,{page}),name==="chart"&&a4(Chart,{shown:now}),name==="alarms"&&a4(Alarms,{page}),name==="cell"&&a4(Cell,{page}),name==="waiting"&&a4(Waiting,
+{page})]}),a4("footer",{children:t4.reads_only})]})}Q(a4($,{children:[a4(Body,{}),a4(Lost,{})]}),document.getElementById("page"));begin();

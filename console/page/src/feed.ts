@@ -1,7 +1,8 @@
 // Frames from the server, and the loss of them.
 //
 // A page counts as lost when no frame was drawn for LOST_AFTER_MS, whatever the reason: no server, no network, a script that has failed.
-// Clocks of server and browser are never compared: ages are differences of the browser's own clock, and of `now_ms` of frames.
+// Clocks of server and browser are never compared, only how far each has gone: a frame that was under way for longer than the one that was
+// fastest on its connection, by more than LOST_AFTER_MS, is one of before, and is shown as lost.
 
 import { signal } from "@preact/signals";
 import type { Frame, Page } from "./model";
@@ -16,6 +17,8 @@ const SILENT_MS = 3000;
 export interface Shown {
   page: Page;
   now_ms: number;
+  /** How much longer its frame was under way than the fastest one of its connection, in ms. */
+  late_ms: number;
 }
 
 /** The newest page; null before the first frame. */
@@ -26,10 +29,12 @@ export const lost_for = signal<number | null>(null);
 let sequence = 0;
 let drawn_at = performance.now();
 let received_at = performance.now();
+/** Least time of the browser's clock at which a frame came, less the frame's own, on this connection. */
+let least_offset = Infinity;
 
-/** A frame was drawn. */
-export function drawn(): void {
-  drawn_at = performance.now();
+/** A frame was drawn. It is of the time before it was under way. */
+export function drawn(of: Shown): void {
+  drawn_at = Math.max(drawn_at, performance.now() - of.late_ms);
   look();
 }
 
@@ -56,17 +61,22 @@ function take(frame: Frame): void {
     page = (frame.changes ?? []).reduce<unknown>((page, [path, to]) => changed(page, path, 0, to), shown.value.page) as Page;
   }
   sequence = frame.sequence;
-  shown.value = { page, now_ms: frame.now_ms };
+  const offset = performance.now() - frame.now_ms;
+  least_offset = Math.min(least_offset, offset);
+  const late_ms = offset - least_offset;
+  // One connection after the other begins anew where all frames are late, or the clocks of two machines run apart.
+  if (late_ms < LOST_AFTER_MS) received_at = performance.now();
+  shown.value = { page, now_ms: frame.now_ms, late_ms };
 }
 
 function connect(): void {
   const socket = new WebSocket(`ws://${location.host}/feed`);
   received_at = performance.now();
+  least_offset = Infinity;
   const silent = setInterval(() => {
     if (performance.now() - received_at > SILENT_MS) socket.close();
   }, CONNECT_AGAIN_MS);
   socket.onmessage = (event) => {
-    received_at = performance.now();
     try {
       take(JSON.parse(event.data as string) as Frame);
       socket.send(String(sequence));

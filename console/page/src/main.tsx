@@ -43,7 +43,7 @@ function Lost() {
 function Body() {
   const now = shown.value;
   useLayoutEffect(() => {
-    if (now !== null) drawn();
+    if (now !== null) drawn(now);
   }, [now]);
   if (now === null) return null;
   const page = now.page;

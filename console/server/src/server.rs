@@ -18,6 +18,7 @@ use hyper_util::service::TowerToHyperService;
 use linewright_console_view::PageFrame;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, watch};
+use tokio::time::timeout;
 
 use crate::origin::OwnNames;
 use crate::page::ASSETS;
@@ -34,6 +35,9 @@ pub const CONNECTIONS_MAX: usize = 64;
 
 /// Time in which a request is there with all its headers; afterwards the connection ends.
 const REQUEST_WITHIN: Duration = Duration::from_secs(5);
+
+/// Time after which a connection that has not become a reader's ends, also one that does not read its answers.
+const CONNECTION_WITHIN: Duration = Duration::from_secs(30);
 
 /// Most bytes of a request with its headers.
 const REQUEST_MAX: usize = 16 * 1024;
@@ -137,7 +141,7 @@ async fn connection(stream: TcpStream, router: Router) {
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(REQUEST_WITHIN).max_buf_size(REQUEST_MAX);
     let served = http.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router)).with_upgrades();
-    let _ = served.await;
+    let _ = timeout(CONNECTION_WITHIN, served).await;
 }
 
 #[derive(Clone)]

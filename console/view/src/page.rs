@@ -22,7 +22,7 @@ pub struct ConsolePage {
     pub stations: Vec<StationPart>,
     /// In the order of the description.
     pub lanes: Vec<StationLanes>,
-    /// By priority; of one priority those without a time of their own first, then those of the cell.
+    /// By priority; of one priority an emergency stop first, then those without a time of their own, then those of the cell.
     pub alarms: Vec<AlarmPart>,
     /// None of a line, and while the state of the cell is not received.
     pub cell: Option<CellPart>,
@@ -57,7 +57,7 @@ pub struct ModePart {
 #[derive(Debug, Serialize)]
 pub struct CyclePart {
     pub number: i32,
-    /// How long it took, in s.
+    /// How long it took, in s; the time in which the line stood counts.
     pub duration_s: f64,
 }
 
@@ -73,7 +73,8 @@ pub enum StationHealth {
     Fault,
     /// Left out of the mode decision.
     LeftOut,
-    /// Its I/O devices are not received, or its position is not known.
+    /// Its I/O devices are not received, its position is not known, an operation was stopped before its end, or it was restarted and not
+    /// looked at since.
     NotReady,
     /// Its selector stands at manual.
     Manual,

@@ -11,7 +11,7 @@ use crate::alarms::{AlarmPriority, FirstReceived, LineAlarm, of_cell, of_line};
 use crate::bounds;
 use crate::cell::{CellPart, now_of};
 use crate::lanes::LaneRecorder;
-use crate::next::NextStep;
+use crate::next::{NextStep, asks_to_confirm};
 use crate::page::{ConsolePage, CyclePart, ModePart, StationHealth, StationPart};
 use crate::texts::{
     OWN_EMERGENCY_STOP, ReasonsByResource, SELECTOR_AT_MANUAL, coordinator_not_received, refusal, station_not_received,
@@ -169,7 +169,10 @@ impl ConsoleView {
             () if is_stopped => StationHealth::EmergencyStop,
             () if !state.fault.is_empty() => StationHealth::Fault,
             () if is_left_out => StationHealth::LeftOut,
-            () if !state.devices_valid || state.position_lost => StationHealth::NotReady,
+            () if !state.devices_valid || state.position_lost || asks_to_confirm(state) => StationHealth::NotReady,
+            () if !state.incomplete.is_empty() || line.is_some_and(|line| line.restarted.contains(&name)) => {
+                StationHealth::NotReady
+            }
             () if state.selector_manual => StationHealth::Manual,
             () => StationHealth::Ok,
         };
