@@ -7,6 +7,7 @@ use std::io::Write;
 use std::net::SocketAddr;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use linewright_console_server::PageServer;
@@ -14,9 +15,9 @@ use linewright_console_view::{Aged, ConsoleInputs, ConsoleView, PageFeed};
 use linewright_line::Line;
 use linewright_msgs::{LineState, StationState};
 use serde_json::{Value, json};
-use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
-use tokio::net::TcpStream;
-use tokio::sync::watch;
+use tokio::io::{AsyncBufReadExt, AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, BufReader};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 use tokio::time::{Instant, sleep, timeout};
 
@@ -73,6 +74,12 @@ impl Browser {
             Err(why) => panic!("{why}"),
         }
         Ok(browser)
+    }
+
+    /// Starts them, or prints that the test is skipped, and why.
+    async fn open_or_skip() -> Option<Self> {
+        let opened = Browser::open().await;
+        opened.map_err(|why| println!("SKIPPED: no Chromium with its driver here ({why})")).ok()
     }
 
     /// A request of the protocol; gives its value.
@@ -154,7 +161,7 @@ async fn serve(address: SocketAddr, mode: &'static str) -> (JoinHandle<()>, Sock
         };
         // Ends both, and with the sender every connection.
         tokio::select! {
-            () = server.run(newest) => {}
+            () = server.run(newest, mpsc::channel(100).0) => {}
             () = publish => {}
         }
     });
@@ -170,13 +177,7 @@ const IS_LIVE: &str = "!document.documentElement.classList.contains('lost') && !
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_page_without_its_server_is_grey_at_once_and_comes_back() {
-    let browser = match Browser::open().await {
-        Ok(browser) => browser,
-        Err(why) => {
-            println!("SKIPPED: no Chromium with its driver here ({why})");
-            return;
-        }
-    };
+    let Some(browser) = Browser::open_or_skip().await else { return };
     let (mut served, address) = serve("127.0.0.1:0".parse().expect("an address"), "auto, first").await;
     browser.visit(&format!("http://{address}/")).await;
     browser.wait(IS_LIVE).await;
@@ -208,4 +209,46 @@ async fn a_page_without_its_server_is_grey_at_once_and_comes_back() {
     // One that takes longer may be this machine's.
     println!("grey within {within:.0?} ms");
     assert!(within.iter().any(|of| *of < GREY_WITHIN_MS), "{within:?}");
+}
+
+/// Passes a connection on, each piece of it later by `delay` (ms) as that is when it comes.
+async fn pass_on(mut from: impl AsyncRead + Unpin, mut to: impl AsyncWrite + Unpin, delay: Arc<AtomicU64>) {
+    let mut piece = vec![0; 1 << 16];
+    while let Ok(length) = from.read(&mut piece).await {
+        sleep(Duration::from_millis(delay.load(Ordering::Relaxed))).await;
+        if length == 0 || to.write_all(&piece[..length]).await.is_err() {
+            return;
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn frames_that_were_seconds_under_way_never_look_as_if_they_were_of_now() {
+    let Some(browser) = Browser::open_or_skip().await else { return };
+    // Each server answers to 127.0.0.1 with its own port: what is between has that name.
+    let (_served, address) = serve("127.0.0.2:0".parse().expect("an address"), "auto, late").await;
+    let between = SocketAddr::from(([127, 0, 0, 1], address.port()));
+    let listener = TcpListener::bind(between).await.expect("a free port");
+    let delay = Arc::new(AtomicU64::new(0));
+    let of = delay.clone();
+    let _between = tokio::spawn(async move {
+        while let Ok((page, _)) = listener.accept().await {
+            let server = TcpStream::connect(address).await.expect("it listens");
+            let ((from_page, to_page), (from_server, to_server)) = (page.into_split(), server.into_split());
+            tokio::spawn(pass_on(from_page, to_server, Arc::default()));
+            tokio::spawn(pass_on(from_server, to_page, of.clone()));
+        }
+    });
+    browser.visit(&format!("http://{between}/")).await;
+    browser.wait(IS_LIVE).await;
+    delay.store(1200, Ordering::Relaxed);
+    browser.wait(IS_LOST).await;
+    let count = "window.live = 0; const of = document.documentElement; \
+                 new MutationObserver(() => { if (!of.classList.contains('lost')) window.live += 1; }) \
+                 .observe(of, { attributes: true }); return 0";
+    browser.script(count).await;
+    sleep(Duration::from_millis(2600)).await;
+    assert_eq!(browser.script("return window.live").await, 0, "late frames were shown as those of now");
+    delay.store(0, Ordering::Relaxed);
+    browser.wait(IS_LIVE).await;
 }

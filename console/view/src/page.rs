@@ -4,7 +4,10 @@ use serde::Serialize;
 
 use crate::alarms::AlarmPart;
 use crate::cell::CellPart;
+use crate::desk::ControlPart;
 use crate::lanes::StationLanes;
+use crate::operate::OperatePart;
+use crate::plan::PlanPart;
 
 /// All that the page shows.
 #[derive(Debug, Serialize)]
@@ -28,6 +31,11 @@ pub struct ConsolePage {
     pub cell: Option<CellPart>,
     /// That the state of a cell is not received.
     pub cell_unknown: Option<String>,
+    /// What can be commanded, and why the rest cannot.
+    pub operate: OperatePart,
+    /// The steps back to auto; none in auto and at home, and while they are looked for.
+    pub plan: Option<PlanPart>,
+    pub control: ControlPart,
 }
 
 /// The mode and what keeps it.
@@ -49,6 +57,8 @@ pub struct ModePart {
     pub restarted: Vec<String>,
     /// The last refusal with its age.
     pub refusal: Option<String>,
+    /// The command that was refused, in the words in which it was given; empty without a refusal.
+    pub refused: String,
     /// The last cycle of the line; none before the first, and while the coordinator is not received.
     pub cycle: Option<CyclePart>,
 }

@@ -3,6 +3,7 @@
 mod answers;
 mod bench;
 mod cell;
+mod desk;
 mod frames;
 mod lanes;
 mod next;
