@@ -56,7 +56,35 @@ export const t = {
   at_rest: "at rest",
   lost: (seconds: string) => `No connection to the console for ${seconds} s. Values that are struck through are from before.`,
   never: "No connection to the console yet.",
-  reads_only: "This page reads. It commands nothing.",
+  operate: "Operate",
+  no_safety: "No button of this page is a safety function, and none is an emergency stop device.",
+  control_none: "Control: nobody. All pages read.",
+  control_own: (since: string) => `Control: this page, for ${since}`,
+  control_other: (name: string, since: string) => `Control: ${name}, for ${since}. This page reads.`,
+  control_taken: (name: string) => `Control was taken over by ${name}. This page reads.`,
+  control_gone: "This page had control, and has it no more.",
+  pressed: (button: string) => `${button} is held`,
+  your_name: "Your name",
+  take: "Take control",
+  take_over: "Take control over",
+  give_up: "Give control up",
+  read: "Read",
+  no_control: "this page has no control; take it first (in the head of the page)",
+  hold_it: "hold",
+  is_held: "held",
+  console_buttons: "Buttons of the console",
+  selector: (manual: boolean) => `selector at ${manual ? "manual" : "auto"}`,
+  selector_unknown: "selector unknown",
+  plan: "The way back to auto",
+  since: (why: string) => `since ${why}`,
+  stands: (how: string) => `if it stands so: ${how}`,
+  ended_stalled: "released: the page was too busy; hold it again",
+  ended_lost: "released: no connection to the console; hold it again when it is back",
+  ended_away: "released: the page was left; hold it again",
+  ended_control: "released: this page has no control any more",
+  ended_left: "released: the pointer has left the button; hold it again",
+  ended_second: "released: something else was touched meanwhile; let go, then hold it again",
+  ended_cancelled: "released: the browser has taken the pointer; hold it again",
 };
 
 export const health: Record<Health, string> = {
@@ -75,4 +103,9 @@ export const kinds: Record<StretchKind, string> = {
   halted: "begun, stands",
   stopped: "stopped before its end",
   unknown: "unknown",
+};
+
+// Of mode commands those whose word does not say enough.
+export const command_labels: Record<string, string> = {
+  estop: "all outputs off — no safety function",
 };

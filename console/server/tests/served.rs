@@ -102,7 +102,8 @@ struct TestReader {
 
 impl TestReader {
     async fn text(&mut self) -> String {
-        let message = timeout(PATIENCE, self.socket.next()).await.expect("one comes").expect("open").expect("a message");
+        let message =
+            timeout(PATIENCE, self.socket.next()).await.expect("one comes").expect("open").expect("a message");
         message.into_text().expect("text").to_string()
     }
 
@@ -311,11 +312,14 @@ async fn what_is_done_at_a_page_comes_with_its_connection_between_its_begin_and_
     assert_ne!(first.connection, second.connection);
     first.next().await;
     let beat = |number| PageOperation { seen_ms: 7, act: PageAct::Beat { number } };
-    for (reader, number) in [(&mut second, 1), (&mut first, 2), (&mut second, 3)] {
+    for (is_first, number) in [(false, 1), (true, 2), (false, 3)] {
         let text = serde_json::to_string(&beat(number)).expect("JSON");
+        let reader = if is_first { &mut first } else { &mut second };
         reader.socket.send(Message::text(text)).await.expect("sent");
     }
-    assert!(matches!(served.event(first.connection).await, PageEventKind::Opened(from) if from.starts_with("127.0.0.1:")));
+    assert!(
+        matches!(served.event(first.connection).await, PageEventKind::Opened(from) if from.starts_with("127.0.0.1:"))
+    );
     assert_eq!(served.event(first.connection).await, PageEventKind::Operated(beat(2)));
     // Cut off without a word of parting.
     let number = first.connection;

@@ -162,7 +162,8 @@ fn waits_for_a_person(state: &LineState) -> Option<String> {
     }
     let without = format!(", without {}", state.left_out.join(", "));
     let (_, why) = state.text.split_once([',', ':'])?;
-    let is_new = state.left_out.is_empty() || state.text.strip_suffix(&*without).is_none_or(|rest| rest.contains([',', ':']));
+    let is_new =
+        state.left_out.is_empty() || state.text.strip_suffix(&*without).is_none_or(|rest| rest.contains([',', ':']));
     is_new.then(|| format!("the line stands by:{why}; the steps back: Waiting, or `linewright recover`"))
 }
 

@@ -194,6 +194,7 @@ impl ControlDesk {
         was_held: bool,
         effects: &mut Vec<DeskEffect>,
     ) {
+        self.note = None;
         let by = self.holder.as_ref().map_or_else(String::new, |of| of.name.clone());
         match act {
             PageAct::Command { word, station } => {
@@ -222,7 +223,6 @@ impl ControlDesk {
                 if was_held || !is_new {
                     return self.refuse(connection, act, HoldEnd::Another.text().unwrap_or_default());
                 }
-                self.note = None;
                 self.key = act.key().unwrap_or_default();
                 self.hold.press(now, *number, button);
                 effects.push(DeskEffect::Log(format!("{} held by {by}", button.name(&self.line))));

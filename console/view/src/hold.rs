@@ -130,10 +130,9 @@ impl HoldEnd {
                 "released: nothing came from the page for {} ms; let go, then hold it again",
                 silence.as_millis()
             ),
-            HoldEnd::Behind(age) => format!(
-                "released: the page showed what was {} ms old; let go, then hold it again",
-                age.as_millis()
-            ),
+            HoldEnd::Behind(age) => {
+                format!("released: the page showed what was {} ms old; let go, then hold it again", age.as_millis())
+            }
             HoldEnd::Another => "released: something else was touched meanwhile; let go, then hold it again".to_owned(),
             HoldEnd::NoControl => "released: this page has no control any more".to_owned(),
             HoldEnd::NotAllowed(why) => format!("released: {why}"),

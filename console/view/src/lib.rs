@@ -59,8 +59,8 @@ pub use lanes::{LANE_WINDOW, LaneRow, LaneStretch, STRETCHES_MAX, StationLanes, 
 pub use message::{PAGE_MESSAGE_MAX, PageAct, PageMessage, PageMessageError, PageOperation};
 pub use next::{NextStep, asks_to_confirm};
 pub use operate::{
-    HAND_ONLY, NOTHING_INCOMPLETE, OperateButton, OperatePart, OperateStates, PANEL_ONLY, PanelPart, RESUME_ONLY, stations_of,
-    why_not,
+    HAND_ONLY, NOTHING_INCOMPLETE, OperateButton, OperatePart, OperateStates, PANEL_ONLY, PanelPart, RESUME_ONLY,
+    stations_of, why_not,
 };
 pub use page::{ConsolePage, CyclePart, ModePart, StationHealth, StationPart};
 pub use plan::{PlanPart, PlanStepPart};

@@ -60,7 +60,9 @@ impl NextStep {
         let mut shown = state.clone();
         let asks = shown.blocked_by.iter_mut().filter(|why| why.starts_with(REJOIN));
         // In its place, since that is not what comes next.
-        asks.for_each(|why| *why = format!("the confirmation of its position, which does not come next: {}", self.text));
+        asks.for_each(|why| {
+            *why = format!("the confirmation of its position, which does not come next: {}", self.text)
+        });
         Cow::Owned(shown)
     }
 }

@@ -120,7 +120,8 @@ pub fn why_not(
 ) -> Option<String> {
     let Some(state) = states.coordinator else {
         // A command for its own sake, since the coordinator may receive what it does not answer.
-        let is_stop = matches!(act, PageAct::Command { word, .. } if ModeCommand::parse(word) == Some(ModeCommand::EStop));
+        let is_stop =
+            matches!(act, PageAct::Command { word, .. } if ModeCommand::parse(word) == Some(ModeCommand::EStop));
         return (!is_stop).then(|| coordinator_not_received(None));
     };
     let other_mode = |needed: u8, id: StationId, why: &str| {

@@ -14,8 +14,8 @@ use crate::desk::ControlPart;
 use crate::lanes::LaneRecorder;
 use crate::next::{NextStep, asks_to_confirm};
 use crate::operate::{OperatePart, OperateStates};
-use crate::plan::PlanPart;
 use crate::page::{ConsolePage, CyclePart, ModePart, StationHealth, StationPart};
+use crate::plan::PlanPart;
 use crate::texts::{
     OWN_EMERGENCY_STOP, ReasonsByResource, SELECTOR_AT_MANUAL, coordinator_not_received, refusal, station_not_received,
     waits,

@@ -1,5 +1,6 @@
 //! Control by one page at a time, and buttons that are held: by example, and under everything that may get lost or late.
 
+use std::sync::LazyLock;
 use std::time::Duration;
 
 use linewright_console_view::{
@@ -9,8 +10,11 @@ use linewright_console_view::{
 use linewright_line::Line;
 use proptest::prelude::*;
 
-fn line() -> Line {
-    linewright_line::parse("line.toml", &linewright_line::TransferLine::default().text()).expect("parses").line
+fn line() -> &'static Line {
+    static LINE: LazyLock<Line> = LazyLock::new(|| {
+        linewright_line::parse("line.toml", &linewright_line::TransferLine::default().text()).expect("parses").line
+    });
+    &LINE
 }
 
 fn ms(of: u64) -> Duration {
@@ -18,7 +22,7 @@ fn ms(of: u64) -> Duration {
 }
 
 fn button() -> HoldButton {
-    HoldButton::named(&line(), Some("mill_1"), "advance").expect("a button")
+    HoldButton::named(line(), Some("mill_1"), "advance").expect("a button")
 }
 
 fn press(number: u64) -> PageAct {
@@ -41,7 +45,7 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
-        let mut desk = ControlDesk::new(&line());
+        let mut desk = ControlDesk::new(line());
         desk.opened(1, "127.0.0.1:1001");
         desk.opened(2, "127.0.0.1:1002");
         let mut bench = Bench { desk, now: 1000 };

@@ -25,9 +25,8 @@ fn a_confirmation_is_offered_where_it_comes_next_and_nowhere_else() {
         after: None,
     };
     let plan = RecoveryPlan::ends;
-    let not_yet = |next: &NextStep| {
-        vec![format!("the confirmation of its position, which does not come next: {}", next.text())]
-    };
+    let not_yet =
+        |next: &NextStep| vec![format!("the confirmation of its position, which does not come next: {}", next.text())];
     let asks = StationState { blocked_by: vec!["rejoin: confirm it".to_owned()], ..StationState::default() };
     let waits = |next: &NextStep, id| next.shown(id, &asks).blocked_by.to_vec();
     let next = NextStep::of(&line, &plan(vec![confirm.clone()], RecoveryEnd::Auto)).expect("a step");

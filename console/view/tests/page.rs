@@ -140,8 +140,7 @@ fn a_page_is_bounded_whatever_a_node_sends() {
 fn a_line_that_stands_by_until_a_person_does_something_is_an_alarm_with_what_to_do() {
     let mut bench = ViewBench::received(0);
     let mut shown = |text: &str, change: fn(&mut LineState)| {
-        let mut line =
-            LineState { mode: StationState::MODE_STANDBY, text: text.to_owned(), ..LineState::default() };
+        let mut line = LineState { mode: StationState::MODE_STANDBY, text: text.to_owned(), ..LineState::default() };
         change(&mut line);
         bench.coordinator = Some((line, 0));
         bench.page(1).alarms.into_iter().map(|of| of.text).collect::<Vec<_>>()
@@ -151,7 +150,9 @@ fn a_line_that_stands_by_until_a_person_does_something_is_an_alarm_with_what_to_
     assert!(shown("stand-by, waiting for mill_1", waiting).is_empty(), "that comes by itself");
     let without = |of: &mut LineState| of.left_out = vec!["mill_1".to_owned()];
     assert_eq!(shown("stand-by, without mill_1", without), ["left out of the mode decision: mill_1"]);
-    for text in ["stand-by: mill_1: restarted; give start", "stand-by, coordinator started with stations away from home"] {
+    for text in
+        ["stand-by: mill_1: restarted; give start", "stand-by, coordinator started with stations away from home"]
+    {
         let of = shown(text, |_| {});
         let why = text.trim_start_matches("stand-by").trim_start_matches([',', ':']);
         assert_eq!(of, [format!("the line stands by:{why}; the steps back: Waiting, or `linewright recover`")]);
