@@ -167,7 +167,7 @@ impl ConsoleLoop {
     fn frame(&mut self, client: &OperatorClient, cell: Option<&CellClient>, commands: &PageCommands) -> PageFrame {
         let control = commands.part(self.now());
         self.frames += 1;
-        if self.frames % LOOK_FRAMES == 0 {
+        if self.frames.is_multiple_of(LOOK_FRAMES) {
             self.look(client, cell, control.press.is_some());
         }
         let next = look(&mut self.plan, client, cell);

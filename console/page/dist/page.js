@@ -158,14 +158,14 @@ onsole for ${seconds} s. Values that are struck through are from before.`,never:
 is page is a safety function, and none is an emergency stop device.",control_none:"Control: nobody. All pages read.",control_own:since=>`Control: this page, for\
  ${since}`,control_other:(name2,since)=>`Control: ${name2}, for ${since}. This page reads.`,control_taken:name2=>`Control was taken over by ${name2}. This page \
 reads.`,control_gone:"This page had control, and has it no more.",pressed:button=>`${button} is held`,your_name:"Your name",take:"Take control",take_over:"Take \
-control over",give_up:"Give control up",read:"Read",no_control:"this page has no control; take it first (in the head of the page)",hold_it:"hold",is_held:"held",
-console_buttons:"Buttons of the console",selector:manual=>`selector at ${manual?"manual":"auto"}`,selector_unknown:"selector unknown",plan:"The way back to auto",
-since:why=>`since ${why}`,stands:how=>`if it stands so: ${how}`,ended_stalled:"released: the page was too busy; hold it again",ended_lost:"released: no connecti\
-on to the console; hold it again when it is back",ended_away:"released: the page was left; hold it again",ended_control:"released: this page has no control any \
-more",ended_left:"released: the pointer has left the button; hold it again",ended_second:"released: something else was touched meanwhile; let go, then hold it a\
-gain",ended_cancelled:"released: the browser has taken the pointer; hold it again"},health={unknown:"unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"\
-left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"under way back",halted:"begun, stands",stopped:"stopped before it\
-s end",unknown:"unknown"},command_labels={estop:"all outputs off — no safety function"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
+control over",give_up:"Give control up",read:"Read",no_control:"this page has no control; take it first (in the head of the page)",not_live:"the page shows what\
+ is of before; nothing is given",hold_it:"hold",is_held:"held",console_buttons:"Buttons of the console",selector:manual=>`selector at ${manual?"manual":"auto"}`,
+selector_unknown:"selector unknown",plan:"The way back to auto",since:why=>`since ${why}`,stands:how=>`if it stands so: ${how}`,ended_stalled:"released: the pag\
+e was too busy; hold it again",ended_lost:"released: no connection to the console; hold it again when it is back",ended_away:"released: the page was left; hold \
+it again",ended_control:"released: this page has no control any more",ended_left:"released: the pointer has left the button; hold it again",ended_second:"releas\
+ed: something else was touched meanwhile; let go, then hold it again",ended_cancelled:"released: the browser has taken the pointer; hold it again"},health={unknown:"\
+unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"\
+under way back",halted:"begun, stands",stopped:"stopped before its end",unknown:"unknown"},command_labels={estop:"all outputs off — no safety function"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
 props:p5,key:n3,ref:c4,__k:null,__:null,__b:0,__e:null,__c:null,constructor:f4,__v:--o4,__i:-1,__u:0};return(a5||i4)&&(s4.__source=a5,s4.__self=i4),n.vnode&&n.vnode(
 s4),s4}var WINDOWS_S=[12,30,60,120],WIDTH=1e3,HEIGHT=18,window_s=y3(30);function bar(stretch,now_ms,span_ms){let x3=at2=>WIDTH*(1-(now_ms-at2)/span_ms),from=Math.max(0,
 x3(stretch.from_ms)),to=x3(stretch.to_ms??now_ms);return to<=0?null:a4("rect",{class:`bar ${stretch.kind}`,x:from,y:"2",width:Math.max(to-from,1),height:HEIGHT-
@@ -202,34 +202,35 @@ hidden&&end(t4.ended_away)),document.addEventListener("focusout",event=>hold!==n
 0 0 20 20",class:`p${of}`,"aria-hidden":"true",children:[a4("path",{d:SHAPES[of]}),a4("text",{x:"10",y:of===3?11:15.5,"text-anchor":"middle",children:of})]}),text]})}
 function HealthSign({of}){return a4("span",{class:`health ${of} value`,children:health[of]})}function List({of}){return a4("ul",{children:of.map((text,at2)=>a4(
 "li",{class:"value",children:text},at2))})}function Heads({of}){return a4("thead",{children:a4("tr",{children:of.map(head=>a4("th",{scope:"col",children:head},head))})})}
-function Named({head,of}){return of.length>0?a4("p",{class:"value",children:`${head}: ${of.join(", ")}`}):null}var asked=y3(null),name=y3("");function has_control(page){return page.control.holder!==null&&page.control.holder.connection===connection.value}function why_not(page,button){
-return lost_for.value!==null?t4.ended_lost:has_control(page)?button.why_not:t4.no_control}function remark(page,button){let{note}=page.control;if(ended.value?.key===
-button.key)return ended.value.why;if(note!==null&&note.connection===connection.value&&note.key===button.key)return note.text;let word="command"in button.act?[button.
-act.command.word,button.act.command.station].filter(Boolean).join(" "):null;return word!==null&&word===page.mode.refused?page.mode.refusal:asked.value?.key===button.
-key&&asked.value.why===why_not(page,button)?asked.value.why:null}function ActButton({page,button}){let why=why_not(page,button),refuse=()=>asked.value=why===null?
-null:{key:button.key,why},is_hold="press"in button.act,is_stop="command"in button.act&&button.act.command.word==="estop",handlers=is_hold?holds(button.key,button.
-act,why===null,refuse):{onClick:()=>{refuse(),ended.value=null,why===null&&operate(button.act)}},label="command"in button.act&&button.act.command.station===void 0?
-command_labels[button.label]??button.label:button.label,is_held=held.value===button.key;return a4("button",{type:"button",class:`${is_hold?"hold":""} ${is_stop?
-"stop":""} ${is_held?"is-held":""}`,"aria-disabled":why!==null,"aria-pressed":is_hold?is_held:void 0,"data-key":button.key,...handlers,children:[label,is_hold&&
-a4("small",{children:is_held?t4.is_held:t4.hold_it})]})}function Acts({page,of}){let remarked=of.map(button=>[button.label,remark(page,button)]).find(([,text])=>text!==
-null);return a4($,{children:[a4("div",{class:"acts",children:of.map(button=>a4(ActButton,{page,button},button.key))}),a4("p",{class:"remark",role:"status",children:remarked&&
-`${remarked[0]}: ${remarked[1]}`})]})}function Control({page}){let{holder,press,note}=page.control,is_own=has_control(page),refused=note!==null&&note.connection===
-connection.value&&note.key==="control"?note.text:null;return a4("div",{class:is_own?"control own":"control",id:"control",children:[a4("span",{class:"value",children:[
-holder===null?t4.control_none:is_own?t4.control_own(holder.since):t4.control_other(holder.name,holder.since),press!==null&&` · ${t4.pressed(press.button)}`]}),
-!is_own&&a4("input",{"aria-label":t4.your_name,placeholder:t4.your_name,maxLength:40,value:name.value,onInput:event=>name.value=event.target.value}),a4("button",
-{type:"button","data-key":"control",onClick:()=>operate(is_own?{give_up:{}}:{take:{name:name.value}}),children:is_own?t4.give_up:holder===null?t4.take:t4.take_over}),
-refused!==null&&a4("span",{class:"remark",role:"status",children:refused})]})}function Plan({page}){let plan=page.plan;return plan===null?null:a4("section",{class:"\
-plan",children:[a4("h2",{children:t4.plan}),a4(List,{of:plan.begin}),a4("ol",{children:plan.steps.map((step,at2)=>a4("li",{class:at2===plan.next?"value next":"v\
-alue","aria-current":at2===plan.next?"step":void 0,children:[step.text,step.since!==null&&a4("p",{children:t4.since(step.since)}),a4(List,{of:step.stands.map(t4.
-stands)})]},at2))}),plan.button!==null&&a4($,{children:[a4("h3",{children:t4.next}),a4(Acts,{page,of:[with_reason(page,plan.button)]})]}),a4(List,{of:plan.end})]})}
-function with_reason(page,button){let{commands,hand,resume,panels}=page.operate,same=[...commands,...hand,resume,...panels.flatMap(panel=>[...panel.holds,...panel.
-selects])].find(of=>of.key===button.key);return same===void 0?button:{...button,why_not:same.why_not}}function Operate({page}){let{commands,hand,resume,panels}=page.
-operate;return a4($,{children:[a4("p",{class:page.mode.is_known?"value text fixed":"value text fixed is-unknown",children:page.mode.text}),a4(Acts,{page,of:commands}),
-a4(Plan,{page}),a4("section",{children:[a4("h2",{children:t4.console_buttons}),a4(Acts,{page,of:[...hand,resume]})]}),panels.map((panel,at2)=>{let station=page.
-stations[at2];return a4("section",{children:[a4("h2",{children:[panel.station," ",station&&a4(HealthSign,{of:station.health})]}),a4(Acts,{page,of:[...panel.holds,
-...panel.selects]}),a4("div",{class:"fixed",children:[station&&a4("p",{class:station.moves?"value moves":"value",children:station.unknown??station.operation}),station?.
-fault&&a4("p",{class:"value fault-text",children:station.fault}),a4("p",{class:"value",children:panel.is_manual===null?t4.selector_unknown:t4.selector(panel.is_manual)}),
-station&&station.waits_for.length>0&&a4($,{children:[a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]})]})]},panel.station)})]})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
+function Named({head,of}){return of.length>0?a4("p",{class:"value",children:`${head}: ${of.join(", ")}`}):null}var asked=y3(null),name=y3("");function has_control(page){return page.control.holder!==null&&page.control.holder.connection===connection.value}var is_stop=act=>"\
+command"in act&&act.command.word==="estop";function why_not(page,button){return lost_for.value!==null&&!is_stop(button.act)?t4.not_live:has_control(page)?button.
+why_not:t4.no_control}function remark(page,button){let{note}=page.control;if(ended.value?.key===button.key)return ended.value.why;if(note!==null&&note.connection===
+connection.value&&note.key===button.key)return note.text;let word="command"in button.act?[button.act.command.word,button.act.command.station].filter(Boolean).join(
+" "):null;return word!==null&&word===page.mode.refused?page.mode.refusal:asked.value?.key===button.key&&asked.value.why===why_not(page,button)?asked.value.why:null}
+function ActButton({page,button}){let why=why_not(page,button),refuse=()=>asked.value=why===null?null:{key:button.key,why},is_hold="press"in button.act,handlers=is_hold?
+holds(button.key,button.act,why===null,refuse):{onClick:()=>{refuse(),ended.value=null,why===null&&operate(button.act)}},label="command"in button.act&&button.act.
+command.station===void 0?command_labels[button.label]??button.label:button.label,is_held=held.value===button.key;return a4("button",{type:"button",class:`${is_hold?
+"hold":""} ${is_stop(button.act)?"stop":""} ${is_held?"is-held":""}`,"aria-disabled":why!==null,"aria-pressed":is_hold?is_held:void 0,"data-key":button.key,...handlers,
+children:[label,is_hold&&a4("small",{children:is_held?t4.is_held:t4.hold_it})]})}function Acts({page,of}){let remarked=of.map(button=>[button.label,remark(page,
+button)]).find(([,text])=>text!==null);return a4($,{children:[a4("div",{class:"acts",children:of.map(button=>a4(ActButton,{page,button},button.key))}),a4("p",{class:"\
+remark",role:"status",children:remarked&&`${remarked[0]}: ${remarked[1]}`})]})}function Control({page}){let{holder,press,note}=page.control,is_own=has_control(page),
+refused=note!==null&&note.connection===connection.value&&note.key==="control"?note.text:null;return a4("div",{class:is_own?"control own":"control",id:"control",
+children:[a4("span",{class:"value",children:[holder===null?t4.control_none:is_own?t4.control_own(holder.since):t4.control_other(holder.name,holder.since),press!==
+null&&` · ${t4.pressed(press.button)}`]}),!is_own&&a4("input",{"aria-label":t4.your_name,placeholder:t4.your_name,maxLength:40,value:name.value,onInput:event=>name.
+value=event.target.value}),a4("button",{type:"button","data-key":"control",onClick:()=>operate(is_own?{give_up:{}}:{take:{name:name.value}}),children:is_own?t4.
+give_up:holder===null?t4.take:t4.take_over}),refused!==null&&a4("span",{class:"remark",role:"status",children:refused})]})}function Plan({page}){let plan=page.plan;
+return plan===null?null:a4("section",{class:"plan",children:[a4("h2",{children:t4.plan}),a4(List,{of:plan.begin}),a4("ol",{children:plan.steps.map((step,at2)=>a4(
+"li",{class:at2===plan.next?"value next":"value","aria-current":at2===plan.next?"step":void 0,children:[step.text,step.since!==null&&a4("p",{children:t4.since(step.
+since)}),a4(List,{of:step.stands.map(t4.stands)})]},at2))}),plan.button!==null&&a4($,{children:[a4("h3",{children:t4.next}),a4(Acts,{page,of:[with_reason(page,plan.
+button)]})]}),a4(List,{of:plan.end})]})}function with_reason(page,button){let{commands,hand,resume,panels}=page.operate,same=[...commands,...hand,resume,...panels.
+flatMap(panel=>[...panel.holds,...panel.selects])].find(of=>of.key===button.key);return same===void 0?button:{...button,why_not:same.why_not}}function Operate({
+page}){let{commands,hand,resume,panels}=page.operate;return a4($,{children:[a4("p",{class:page.mode.is_known?"value text fixed":"value text fixed is-unknown",children:page.
+mode.text}),a4(Acts,{page,of:commands}),a4(Plan,{page}),a4("section",{children:[a4("h2",{children:t4.console_buttons}),a4(Acts,{page,of:[...hand,resume]})]}),panels.
+map((panel,at2)=>{let station=page.stations[at2];return a4("section",{children:[a4("h2",{children:[panel.station," ",station&&a4(HealthSign,{of:station.health})]}),
+a4(Acts,{page,of:[...panel.holds,...panel.selects]}),a4("div",{class:"fixed",children:[station&&a4("p",{class:station.moves?"value moves":"value",children:station.
+unknown??station.operation}),station?.fault&&a4("p",{class:"value fault-text",children:station.fault}),a4("p",{class:"value",children:panel.is_manual===null?t4.
+selector_unknown:t4.selector(panel.is_manual)}),station&&station.waits_for.length>0&&a4($,{children:[a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]})]})]},
+panel.station)})]})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
 is-unknown",children:mode.text}),mode.is_enabled===!1&&a4(Named,{head:t4.not_all,of:mode.waiting_for}),mode.refusal&&a4("p",{class:"value",children:mode.refusal}),
 a4(Named,{head:t4.left_out,of:mode.left_out}),a4(Named,{head:t4.restarted,of:mode.restarted}),mode.is_known&&!page.is_cell&&a4("p",{children:[t4.cycle,": ",a4("\
 span",{class:"value",children:mode.cycle?`${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})`:t4.no_cycle})]}),page.next&&a4("p",{class:"next",children:[

@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals";
 import { connection, lost_for, operate } from "./feed";
 import { ended, held, holds } from "./hold";
-import type { OperateButton, Page } from "./model";
+import type { Act, OperateButton, Page } from "./model";
 import { HealthSign, List } from "./parts";
 import { command_labels, t } from "./texts";
 
@@ -15,9 +15,11 @@ export function has_control(page: Page): boolean {
   return page.control.holder !== null && page.control.holder.connection === connection.value;
 }
 
-/** Why a button would do nothing now. */
+const is_stop = (act: Act) => "command" in act && act.command.word === "estop";
+
+/** Why a button would do nothing now. The stop is given whatever the page shows. */
 function why_not(page: Page, button: OperateButton): string | null {
-  if (lost_for.value !== null) return t.ended_lost;
+  if (lost_for.value !== null && !is_stop(button.act)) return t.not_live;
   return has_control(page) ? button.why_not : t.no_control;
 }
 
@@ -37,7 +39,6 @@ function ActButton({ page, button }: { page: Page; button: OperateButton }) {
   const why = why_not(page, button);
   const refuse = () => (asked.value = why === null ? null : { key: button.key, why });
   const is_hold = "press" in button.act;
-  const is_stop = "command" in button.act && button.act.command.word === "estop";
   const handlers = is_hold
     ? holds(button.key, button.act, why === null, refuse)
     : {
@@ -52,7 +53,7 @@ function ActButton({ page, button }: { page: Page; button: OperateButton }) {
   return (
     <button
       type="button"
-      class={`${is_hold ? "hold" : ""} ${is_stop ? "stop" : ""} ${is_held ? "is-held" : ""}`}
+      class={`${is_hold ? "hold" : ""} ${is_stop(button.act) ? "stop" : ""} ${is_held ? "is-held" : ""}`}
       aria-disabled={why !== null}
       aria-pressed={is_hold ? is_held : undefined}
       data-key={button.key}

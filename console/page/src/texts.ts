@@ -70,6 +70,7 @@ export const t = {
   give_up: "Give control up",
   read: "Read",
   no_control: "this page has no control; take it first (in the head of the page)",
+  not_live: "the page shows what is of before; nothing is given",
   hold_it: "hold",
   is_held: "held",
   console_buttons: "Buttons of the console",

@@ -7,4 +7,5 @@ mod desk;
 mod frames;
 mod lanes;
 mod next;
+mod operate;
 mod page;

@@ -113,7 +113,8 @@ fn a_press_begins_and_ends_with_released_and_is_held_between() {
 
 #[test]
 fn whatever_ends_a_press_its_number_is_dead() {
-    let ends: [(&str, fn(&mut Bench)); 8] = [
+    type End = fn(&mut Bench);
+    let ends: [(&str, End); 8] = [
         ("let go", |of| drop(of.act(1, PageAct::Release { number: 1 }))),
         ("another number", |of| drop(of.act(1, PageAct::Beat { number: 2 }))),
         ("another press", |of| drop(of.act(1, press(2)))),
