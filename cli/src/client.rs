@@ -37,11 +37,11 @@ enum RawState {
     Event(StationEvent),
 }
 
-/// The newest state of one node, and its time of arrival.
+/// The newest state of one node, and its time of arrival by a clock that goes on while the machine sleeps.
 #[derive(Debug, Clone)]
 struct HeardNode<T> {
     newest: NewestBySequence,
-    state: Option<(T, Instant)>,
+    state: Option<(T, Tick)>,
 }
 
 impl<T> HeardNode<T> {
@@ -53,13 +53,13 @@ impl<T> HeardNode<T> {
     fn offer(&mut self, now: Tick, boot_id: u64, sequence: u64, state: T) -> bool {
         let is_newer = self.newest.offer(now, boot_id, sequence);
         if is_newer {
-            self.state = Some((state, Instant::now()));
+            self.state = Some((state, now));
         }
         is_newer
     }
 
-    fn aged(&self) -> Option<Aged<'_, T>> {
-        self.state.as_ref().map(|(state, at)| Aged { state, age: at.elapsed() })
+    fn aged(&self, now: Tick) -> Option<Aged<'_, T>> {
+        self.state.as_ref().map(|(state, at)| Aged { state, age: now.since(*at) })
     }
 }
 
@@ -71,7 +71,7 @@ pub struct OperatorClient {
     stations: Vec<HeardNode<StationState>>,
     own: OwnDescription,
     /// For each station the fingerprint of the description it was started with, and when that was received last.
-    described: Vec<Option<(u64, Instant)>>,
+    described: Vec<Option<(u64, Tick)>>,
     clock: Clock,
     commands: Publisher<Text>,
     buttons: Publisher<Text>,
@@ -137,12 +137,12 @@ impl OperatorClient {
 
     /// The coordinator's newest state with its age.
     pub fn coordinator_aged(&self) -> Option<Aged<'_, LineState>> {
-        self.coordinator.aged()
+        self.coordinator.aged(self.clock.now())
     }
 
     /// A station's newest state with its age.
     pub fn station_aged(&self, id: StationId) -> Option<Aged<'_, StationState>> {
-        self.stations[id.index()].aged()
+        self.stations[id.index()].aged(self.clock.now())
     }
 
     /// The coordinator's newest state, if it is fresh.
@@ -172,7 +172,8 @@ impl OperatorClient {
 
     /// The fingerprints of the stations that are received, by station.
     fn fingerprints(&self) -> impl Iterator<Item = (StationId, u64)> {
-        let of = |id: StationId| self.described[id.index()].filter(|(_, at)| at.elapsed() < state_fresh(&self.line));
+        let (now, limit) = (self.clock.now(), state_fresh(&self.line));
+        let of = move |id: StationId| self.described[id.index()].filter(|(_, at)| now.since(*at) < limit);
         self.line.station_ids().filter_map(move |id| of(id).map(|(fingerprint, _)| (id, fingerprint)))
     }
 
@@ -227,7 +228,7 @@ impl OperatorClient {
             RawState::Station(state) => {
                 let id = self.line.station_named(&state.station)?;
                 let fits = state.done.len() == self.line.station(id).operations.len();
-                self.described[id.index()] = Some((state.description, Instant::now()));
+                self.described[id.index()] = Some((state.description, now));
                 let heard = &mut self.stations[id.index()];
                 let is_newer = fits && heard.offer(now, state.boot_id, state.sequence, *state);
                 is_newer.then_some(StateUpdate::Station(id))

@@ -15,6 +15,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
+use linewright_console_view::{HAND_ONLY, PANEL_ONLY, PUBLISH_EVERY, RESUME, stations_of};
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::{ButtonId, Line, StationId};
 use linewright_msgs::{Flag, LineState, StationState, Text};
@@ -35,7 +36,7 @@ const ANSWER: Duration = Duration::from_millis(500);
 /// Most time until a mode that was given is in force at every station.
 const MODE: Duration = Duration::from_secs(1);
 /// Period at which a held button is repeated: well within the time after which it counts as released.
-const REPEAT: Duration = Duration::from_millis(50);
+const REPEAT: Duration = PUBLISH_EVERY;
 /// Periods for which a station has to stand at the end of what was led: one button may lead one operation after another.
 const ARRIVED: u32 = 8;
 
@@ -167,7 +168,7 @@ pub async fn press(args: PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
     match &args.station {
         Some(station) => press_panel(&line, &args, station, ros).await,
-        None if args.buttons == [resume::RESUME] && !line.buttons.iter().any(|name| name == resume::RESUME) => {
+        None if args.buttons == [RESUME] && !line.buttons.iter().any(|name| name == RESUME) => {
             resume::press(&line, &args, ros).await
         }
         None => press_console(&line, &args, ros).await,
@@ -189,27 +190,17 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
     let mut client = OperatorClient::open(line, &args.line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
     let names = args.buttons.join(" ");
-    let stations = meant_by(line, &args.buttons);
+    let pressed =
+        |name: &String| line.buttons.iter().position(|known| known == name).and_then(|at| u16::try_from(at).ok());
+    let ids: Vec<ButtonId> = args.buttons.iter().filter_map(pressed).map(ButtonId).collect();
+    let stations = stations_of(line, &ids);
     if let Err(mode) = until_mode(&mut client, stations[0], StationState::MODE_HAND).await? {
-        let why = format!("hand-mode buttons act in hand mode only; the mode is {mode}");
+        let why = format!("{HAND_ONLY} {mode}");
         return answer(&client, args, &stations, PressOutcome::Refused(why));
     }
     let say = |client: &OperatorClient, held| client.hold(if held { &names } else { "" });
     let outcome = hold(&mut client, (args.seconds, false), &stations, say).await?;
     answer(&client, args, &stations, outcome)
-}
-
-/// The stations that one of these hand-mode buttons means anything to.
-fn meant_by(line: &Line, buttons: &[String]) -> Vec<StationId> {
-    let is_pressed = |button: ButtonId| buttons.contains(&line.buttons[usize::from(button.0)]);
-    let means = |id: &StationId| {
-        line.station(*id).operations.iter().any(|operation| {
-            let hand = operation.hand;
-            [Some(hand.forward()), hand.back(), hand.next()].into_iter().flatten().any(is_pressed)
-        })
-    };
-    let meant: Vec<StationId> = line.station_ids().filter(means).collect();
-    if meant.is_empty() { line.station_ids().collect() } else { meant }
 }
 
 async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs) -> miette::Result<ExitCode> {
@@ -256,7 +247,7 @@ fn no_manual(line: Option<&LineState>, args: &PressArgs, station: &str, mode: &s
             "{station} is in an emergency stop of its own; clear the cause, then give `linewright resource {cell} {station} reset`"
         );
     }
-    format!("a panel acts in manual mode only; the mode is {mode}")
+    format!("{PANEL_ONLY} {mode}")
 }
 
 /// Waits until a mode is in force at a station: it may have been given a moment ago. The error is the mode that is.

@@ -1,4 +1,5 @@
-//! Requirements of tests on the machine besides a Rust toolchain: CAN sockets, and foreign stacks to be tested against.
+//! Requirements of tests on the machine besides a Rust toolchain: CAN sockets, foreign stacks to be tested against, and
+//! a browser.
 //!
 //! On Debian, as root, packages that are missing are installed; Python packages go into an environment of their own below
 //! the target directory. What is there is not fetched again, every step has a time limit, and what cannot be had is
@@ -14,6 +15,9 @@ use std::time::{Duration, Instant};
 /// A program, and the Debian package that has it.
 const PROGRAMS: [(&str, &str); 4] =
     [("linux.uml", "user-mode-linux"), ("candump", "can-utils"), ("ip", "iproute2"), ("insmod", "kmod")];
+
+/// The browser that tests of the console's page drive, and its driver, with their Debian packages.
+const BROWSER: [(&str, &str); 2] = [("chromium", "chromium"), ("chromedriver", "chromium-driver")];
 
 /// A module of Python that tests import, or a program, and the package of PyPI that has it.
 const MODULES: [(&str, &str); 8] = [
@@ -65,6 +69,7 @@ pub fn run(root: &Path) -> Setup {
     let mut setup = find(root);
     let mut log = Log::new(&target(root).join("set-up.log"));
     setup.missing.extend(debian(&mut log).err());
+    setup.missing.extend(browser(&mut log).err());
     if let Some(named) = std::env::var_os("LINEWRIGHT_PYTHON") {
         let lacking: Vec<&str> = lacking(Path::new(&named)).iter().map(|(_, package)| *package).collect();
         if !lacking.is_empty() {
@@ -101,22 +106,37 @@ fn debian(log: &mut Log) -> Result<(), String> {
     if !has_environments && std::env::var_os("LINEWRIGHT_PYTHON").is_none() {
         packages.push("python3-venv");
     }
+    let what = if can > 0 { "no CAN sockets" } else { "no Python environment" };
+    install(what, &packages, log)
+}
+
+/// The browser of the console's tests.
+fn browser(log: &mut Log) -> Result<(), String> {
+    let missing = BROWSER.iter().filter(|(program, _)| !is_program(program));
+    let packages: Vec<&str> = missing.map(|(_, package)| *package).collect();
+    install("no browser for the page of the console", &packages, log)
+}
+
+/// Installs Debian packages that are missing.
+///
+/// # Errors
+/// What is not there without them, and why they are not to be had.
+fn install(what: &str, packages: &[&str], log: &mut Log) -> Result<(), String> {
     if packages.is_empty() {
         return Ok(());
     }
     let why = match (is_program("apt-get"), is_root()) {
         (false, _) => "no Debian".to_owned(),
         (true, false) => format!("not root; as root: apt-get install {}", packages.join(" ")),
-        (true, true) => match install(&packages, log) {
+        (true, true) => match fetch(packages, log) {
             Ok(()) => return Ok(()),
             Err(error) => error,
         },
     };
-    let what = if can > 0 { "no CAN sockets" } else { "no Python environment" };
     Err(format!("{what}, {} missing: {why}", packages.join(", ")))
 }
 
-fn install(packages: &[&str], log: &mut Log) -> Result<(), String> {
+fn fetch(packages: &[&str], log: &mut Log) -> Result<(), String> {
     // Without a network this ends within seconds.
     let patience = ["-qq", "-o", "Acquire::http::Timeout=5", "-o", "Acquire::Retries=0"];
     let apt_get = || {
@@ -126,7 +146,7 @@ fn install(packages: &[&str], log: &mut Log) -> Result<(), String> {
     };
     // The lists from before suffice.
     let _ = log.run(apt_get().arg("update"), 120);
-    log.run(apt_get().args(["install", "-y", "--no-install-recommends"]).args(packages), 180)
+    log.run(apt_get().args(["install", "-y", "--no-install-recommends"]).args(packages), 300)
 }
 
 /// The environment with its packages.

@@ -7,11 +7,11 @@ mod operate;
 mod why;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use linewright_console_view::{Aged, CELL_FRESH, ReasonsByResource};
 use linewright_fieldbus::Clock;
-use linewright_line::Line;
+use linewright_line::{Line, Tick};
 use linewright_msgs::{
     AnswerAlarm, AnswerAlarmRequest, Bounded, CellState, ChangeOrder, ChangeOrderRequest, ProductionRequest,
     RosService, SetResource, SetResourceRequest, SubmitOrders, SubmitOrdersRequest, WhyNot, WhyNotRequest,
@@ -40,8 +40,8 @@ pub struct CellClient {
     from: mpsc::Receiver<CellState>,
     clock: Clock,
     newest: NewestBySequence,
-    state: Option<CellState>,
-    heard: Instant,
+    /// With its time of arrival.
+    state: Option<(CellState, Tick)>,
     submit: Caller<SubmitOrders>,
     cancel: Caller<ChangeOrder>,
     withdraw: Caller<ChangeOrder>,
@@ -67,7 +67,6 @@ impl CellClient {
             clock: Clock::start(),
             newest: NewestBySequence::new(CELL_FRESH),
             state: None,
-            heard: Instant::now(),
             submit: caller(&mut node, "submit_order")?,
             cancel: caller(&mut node, "cancel_order")?,
             withdraw: caller(&mut node, "withdraw_order")?,
@@ -82,12 +81,12 @@ impl CellClient {
 
     /// The newest state, if one was received.
     pub fn state(&self) -> Option<&CellState> {
-        self.state.as_ref()
+        self.state.as_ref().map(|(state, _)| state)
     }
 
     /// The newest state with its age.
     pub fn aged(&self) -> Option<Aged<'_, CellState>> {
-        self.state().map(|state| Aged { state, age: self.heard.elapsed() })
+        self.state.as_ref().map(|(state, at)| Aged { state, age: self.clock.now().since(*at) })
     }
 
     /// The newest state, unless the coordinator is silent.
@@ -99,9 +98,9 @@ impl CellClient {
     pub async fn next(&mut self) -> miette::Result<&CellState> {
         loop {
             let state = self.from.recv().await.ok_or_else(|| miette!("the middleware has failed"))?;
-            if self.newest.offer(self.clock.now(), state.boot_id, state.sequence) {
-                self.heard = Instant::now();
-                return Ok(self.state.insert(state));
+            let now = self.clock.now();
+            if self.newest.offer(now, state.boot_id, state.sequence) {
+                return Ok(&self.state.insert((state, now)).0);
             }
         }
     }
@@ -116,7 +115,7 @@ impl CellClient {
         while let Ok(state) = tokio::time::timeout_at(until, self.next()).await {
             state?;
         }
-        self.state.as_ref().ok_or_else(|| self.not_found())
+        self.state().ok_or_else(|| self.not_found())
     }
 
     fn not_found(&self) -> miette::Report {

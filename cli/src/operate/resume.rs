@@ -2,15 +2,13 @@
 
 use std::process::ExitCode;
 
+use linewright_console_view::{NOTHING_INCOMPLETE, RESUME, RESUME_ONLY};
 use linewright_line::{Line, StationId};
 use linewright_msgs::{Flag, StationState};
 use linewright_node_shell::RosArgs;
 
 use super::{CONNECT, PressArgs, PressOutcome, answer, hold, is_refused, until_mode};
 use crate::client::OperatorClient;
-
-/// The word on the command line. A hand-mode button of this name comes first.
-pub const RESUME: &str = "resume";
 
 pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut client = OperatorClient::open(line, &args.line, ros, "operator")?;
@@ -20,7 +18,7 @@ pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Resu
     let is_all_heard = client.until_all_heard(CONNECT).await?;
     let all: Vec<StationId> = line.station_ids().collect();
     if let Err(mode) = until_mode(&mut client, all[0], StationState::MODE_MANUAL).await? {
-        let why = format!("it takes effect in manual only; the mode is {mode}");
+        let why = format!("{RESUME_ONLY} {mode}");
         return answer(&client, args, &all, PressOutcome::Refused(why));
     }
     let is_stopped = |id: &StationId| client.station(*id).is_some_and(|state| !state.incomplete.is_empty());
@@ -28,11 +26,10 @@ pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Resu
     if stations.is_empty() {
         let unheard: Vec<&str> = client.unheard().collect();
         let why = match is_all_heard {
-            true => "no operation is incomplete".to_owned(),
-            false => format!(
-                "no operation is incomplete at the stations received; nothing is received of {}",
-                unheard.join(", ")
-            ),
+            true => NOTHING_INCOMPLETE.to_owned(),
+            false => {
+                format!("{NOTHING_INCOMPLETE} at the stations received; nothing is received of {}", unheard.join(", "))
+            }
         };
         return answer(&client, args, &all, PressOutcome::Refused(why));
     }

@@ -7,9 +7,9 @@
 use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
 use std::process::{Child, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use linewright_console_view::PageReader;
+use linewright_console_view::{PageAct, PageOperation, PageReader};
 use linewright_msgs::StationState;
 use serde_json::Value;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest;
@@ -23,6 +23,8 @@ use crate::support::{PATIENCE, wait_for};
 struct PageOfConsole {
     socket: WebSocket<TcpStream>,
     reader: PageReader,
+    connection: u64,
+    address: String,
 }
 
 impl PageOfConsole {
@@ -31,8 +33,31 @@ impl PageOfConsole {
         stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
         let mut request = format!("ws://{address}/feed").into_client_request().expect("a request");
         request.headers_mut().insert("origin", format!("http://{address}").parse().expect("a header"));
-        let (socket, _) = client(request, stream).expect("it is served");
-        PageOfConsole { socket, reader: PageReader::default() }
+        let (mut socket, _) = client(request, stream).expect("it is served");
+        let greeting = socket.read().expect("a greeting").into_text().expect("text");
+        let greeting: Value = serde_json::from_str(&greeting).expect("JSON");
+        let connection = greeting["connection"].as_u64().expect("its number");
+        PageOfConsole { socket, reader: PageReader::default(), connection, address: address.to_owned() }
+    }
+
+    /// Does something, as of the frame that was read last.
+    fn act(&mut self, act: PageAct) {
+        let operation = PageOperation { seen_ms: self.reader.now_ms(), act };
+        let text = serde_json::to_string(&operation).expect("JSON");
+        self.socket.send(Message::text(text)).expect("sent");
+    }
+
+    fn take_control(&mut self) {
+        self.next().expect("a frame");
+        self.act(PageAct::Take { name: "Ada".to_owned() });
+        let own = self.connection;
+        self.wait("control", |page| page["control"]["holder"]["connection"] == own);
+    }
+
+    fn command(&mut self, word: &str, mode: &'static str) {
+        self.next().expect("a frame");
+        self.act(PageAct::Command { word: word.to_owned(), station: None });
+        self.wait(mode, is_mode(mode));
     }
 
     /// Takes the next frame; none when the console has ended.
@@ -45,7 +70,13 @@ impl PageOfConsole {
 
     /// Reads until the page is so.
     fn wait(&mut self, what: &str, holds: impl Fn(&Value) -> bool) -> Value {
-        let is_there = wait_for(PATIENCE * 2, || self.next().is_some_and(&holds));
+        let is_there = wait_for(PATIENCE * 2, || {
+            // One that was not read for a while, as on a busy machine, is dropped and connects again.
+            if self.next().is_none() {
+                *self = PageOfConsole::open(&self.address.clone());
+            }
+            holds(self.reader.page())
+        });
         assert!(is_there, "{what}: {:#}", self.reader.page());
         self.reader.page().clone()
     }
@@ -118,4 +149,74 @@ fn refused(rig: &Rig, in_use: &str) {
         let text = said(address).split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.contains(reason), "{address}: {text}");
     }
+}
+
+/// Holds *advance* of the bar at a page until it moves, and loses the page; prints how long it moved on.
+fn stops_without(what: &str, address: &str, operator: &Operator, lose: impl FnOnce(PageOfConsole)) {
+    let mut page = PageOfConsole::open(address);
+    page.take_control();
+    let moves = || !operator.heard().station("transfer").stopped;
+    page.next().expect("a frame");
+    page.act(PageAct::Press { number: 1, station: Some("transfer".to_owned()), button: "advance".to_owned() });
+    let began = wait_for(PATIENCE, || {
+        page.next().expect("a frame");
+        page.act(PageAct::Beat { number: 1 });
+        moves()
+    });
+    assert!(began, "{what}: it moves: {:#}", page.reader.page()["control"]);
+    let lost = Instant::now();
+    lose(page);
+    assert!(wait_for(PATIENCE, || !moves()), "{what}: it stops");
+    let within = lost.elapsed();
+    println!("{what}: the bar stood {within:?} later");
+    // The age from which controllers ignore a button, that of a beat, and time for this machine.
+    assert!(within < Duration::from_millis(1000 + 250 + 500), "{what}: {within:?}");
+    assert!(!operator.heard().station("transfer").incomplete.is_empty(), "{what}: it stands before its end");
+}
+
+/// ```text
+///  page 1 ─┐ WebSocket            ROS 2
+///  page 2 ─┴──────────▶ console ────────▶ the shipped line, simulated
+/// ```
+#[test]
+fn one_page_commands_a_line_and_what_it_holds_ends_with_it() {
+    // One lift takes longer than all that is held here.
+    let mut rig = Rig::new(&line(30.0));
+    rig.start(&["--no-auto"]);
+    let operator = Operator::join(&rig);
+    let (mut process, address) = console(&rig);
+    let mut page = PageOfConsole::open(&address);
+    page.wait("home", is_mode("home"));
+    page.act(PageAct::Command { word: "start".to_owned(), station: None });
+    page.wait("why not", |page| {
+        page["control"]["note"]["text"].as_str().is_some_and(|of| of.contains("this page has no control"))
+    });
+    page.take_control();
+    page.command("start", "stand-by");
+    page.command("auto", "auto");
+    page.next().expect("a frame");
+    page.act(PageAct::Command { word: "hand".to_owned(), station: None });
+    page.wait("why not", |page| {
+        page["control"]["note"]["text"]
+            .as_str()
+            .is_some_and(|of| of.starts_with("not possible in auto; possible: stop"))
+    });
+    let mut other = PageOfConsole::open(&address);
+    other.take_control();
+    let own = other.connection;
+    page.wait("it has lost control", |page| page["control"]["holder"]["connection"] == own);
+    other.command("estop", "e-stop");
+    other.next().expect("a frame");
+    other.act(PageAct::Command { word: "reset".to_owned(), station: None });
+    other.wait("reset", |page| page["mode"]["text"].as_str().is_some_and(|of| of.contains("select manual")));
+    other.command("manual", "manual");
+    drop((page, other));
+    stops_without("a page that is cut off", &address, &operator, drop);
+    stops_without("a page that is silent", &address, &operator, std::mem::forget);
+    stops_without("a console that is killed", &address, &operator, |_page| {
+        process.kill().expect("it runs");
+    });
+    process.wait().expect("a child");
+    rig.signal("INT");
+    rig.ended();
 }

@@ -131,17 +131,41 @@ var e4=n3.__np;if(e4){var u4=n3.props;for(var a5 in e4)u4[a5]=e4[a5]}n3.__np=voi
 i4(n3)});b2("__h",function(i4,n3,r4,t5){t5<3&&(n3.__$f|=2),i4(n3,r4,t5)});x.prototype.shouldComponentUpdate=function(i4,n3){if(this.__R)return!0;var r4=this.__$u,
 t5=r4&&r4.s!==void 0;for(var f5 in n3)return!0;if(this.__f||typeof this.u=="boolean"&&this.u===!0){var o5=2&this.__$f;if(!(t5||o5||4&this.__$f)||1&this.__$f)return!0}else if(!(t5||
 4&this.__$f)||3&this.__$f)return!0;for(var e4 in i4)if(e4!=="__source"&&i4[e4]!==this.props[e4])return!0;for(var u4 in this.props)if(!(u4 in i4))return!0;return!1};
-function useSignal(i4,n3){return w2(function(){return y3(i4,n3)},[])}var A3=function(i4){queueMicrotask(function(){queueMicrotask(i4)})};function F3(){r3(function(){for(var i4;i4=g4.shift();)h4.call(i4)})}function M(){g4.push(this)===1&&(n.requestAnimationFrame||A3)(F3)}var t4={overview:"Overview",chart:"Chart",alarms:"Alarms",cell:"Cell",waiting:"Waiting",pages:"Pages",mode:"Mode",unknown:"unknown",not_all:"not acknowledged by",
-left_out:"Left out",restarted:"Restarted",next:"Next step of recovery",all_steps:"all: linewright recover",cycle:"Last cycle",no_cycle:"none yet",count:"Cycle",
-alarms_none:"no alarms",more_alarms:count=>count===1?"1 alarm":`${count} alarms`,priority:"Priority",state:"State",source:"From",age:"Age",text:"What has happen\
-ed, and what to do",answers:"Answers",lead:"Before the answer, lead to a rest by hand",way:"Which way",reset:"First reset",at_order:"Still at its order",bring:(station,rest)=>`\
-Before the answer, bring ${station} to ${rest} in hand mode`,parts:"Parts",inside:(inside,left)=>`${inside} inside, ${left} have left`,nothing_starts:"nothing s\
-tarts",in_progress:"In progress",failed:"failed",orders:"Orders",open:count=>`${count} not over`,out_of_service:"Out of service",part:"Part",stage:"Stage",place:"\
-Place",order:"Order",none:"none",waits_for:"Waits for",waits_for_nothing:"waits for nothing",ago:seconds=>`−${seconds} s`,now:"now",window:"Time shown",seconds:seconds=>`${seconds}\
- s`,legend:"Legend",at_rest:"at rest",lost:seconds=>`No connection to the console for ${seconds} s. Values that are struck through are from before.`,never:"No c\
-onnection to the console yet.",reads_only:"This page reads. It commands nothing."},health={unknown:"unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"\
-left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"under way back",halted:"begun, stands",stopped:"stopped before it\
-s end",unknown:"unknown"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
+function useSignal(i4,n3){return w2(function(){return y3(i4,n3)},[])}var A3=function(i4){queueMicrotask(function(){queueMicrotask(i4)})};function F3(){r3(function(){for(var i4;i4=g4.shift();)h4.call(i4)})}function M(){g4.push(this)===1&&(n.requestAnimationFrame||A3)(F3)}var LOST_AFTER_MS=380,LOOK_EVERY_MS=50,CONNECT_AGAIN_MS=400,SILENT_MS=3e3,shown=y3(null),lost_for=y3(null),connection=y3(null),socket=null,greeted=null,seen_ms=0,
+lost_listener=()=>{};function on_loss(listener){lost_listener=listener}function is_live(){return connection.value!==null&&performance.now()-drawn_at<=LOST_AFTER_MS}
+function operate(act){return socket===null||socket.readyState!==WebSocket.OPEN||connection.value===null?!1:socket.bufferedAmount>2e3?(socket.close(),!1):(socket.
+send(JSON.stringify({seen_ms,act})),!0)}var sequence=0,drawn_at=-1/0,received_at=performance.now(),least_offset=1/0;function drawn(of){drawn_at=Math.max(drawn_at,
+performance.now()-of.late_ms),seen_ms=of.now_ms,look()}function changed(value,path,at2,to){if(at2===path.length)return to;let step=path[at2];if(Array.isArray(value)&&
+typeof step=="number"&&step<value.length){let copy=value.slice();return copy[step]=changed(value[step],path,at2+1,to),copy}if(value!==null&&typeof value=="objec\
+t"&&Object.hasOwn(value,step)){let from=value;return{...from,[step]:changed(from[step],path,at2+1,to)}}throw new Error("a change at a place that the page does n\
+ot have")}function take(frame){let page=frame.page;if(page===void 0){if(shown.value===null||frame.sequence!==sequence+1)throw new Error("a frame was missed");page=
+(frame.changes??[]).reduce((page2,[path,to])=>changed(page2,path,0,to),shown.value.page)}sequence=frame.sequence;let offset=performance.now()-frame.now_ms;least_offset=
+Math.min(least_offset,offset);let late_ms=offset-least_offset;late_ms<LOST_AFTER_MS&&(received_at=performance.now()),shown.value={page,now_ms:frame.now_ms,late_ms},
+connection.value=greeted}function connect(){let opened=new WebSocket(`ws://${location.host}/feed`);socket=opened,received_at=performance.now(),least_offset=1/0;
+let silent=setInterval(()=>{performance.now()-received_at>SILENT_MS&&opened.close()},CONNECT_AGAIN_MS);opened.onmessage=event=>{try{let message=JSON.parse(event.
+data);if("connection"in message){greeted=message.connection;return}take(message),opened.send(String(sequence))}catch(error){console.error(error),opened.close()}},
+opened.onclose=()=>{connection.value=greeted=null,lost_listener(),clearInterval(silent),setTimeout(connect,CONNECT_AGAIN_MS)}}function look(){let age=performance.
+now()-drawn_at,is_lost=age>LOST_AFTER_MS;document.documentElement.classList.toggle("lost",is_lost),is_lost&&lost_for.value===null&&lost_listener(),lost_for.value=
+is_lost?Math.floor(age/100)*100:null}function begin(){setInterval(look,LOOK_EVERY_MS),document.addEventListener("visibilitychange",look),connect()}var t4={overview:"Overview",chart:"Chart",alarms:"Alarms",cell:"Cell",waiting:"Waiting",pages:"Pages",mode:"Mode",unknown:"unknown",not_all:"not acknowledged by",
+left_out:"Left out",restarted:"Restarted",next:"Next step of recovery",all_steps:"all: linewright recover",cycle:"Last cycle, standstill in it included",no_cycle:"\
+none yet",count:"Cycle",alarms_none:"no alarms",more_alarms:count=>count===1?"1 alarm":`${count} alarms`,priority:"Priority",state:"State",source:"From",age:"Ag\
+e",text:"What has happened, and what to do",answers:"Answers",lead:"Before the answer, lead to a rest by hand",way:"Which way",reset:"First reset",at_order:"Sti\
+ll at its order",bring:(station,rest)=>`Before the answer, bring ${station} to ${rest} in hand mode`,parts:"Parts",inside:(inside,left)=>`${inside} inside, ${left}\
+ have left`,nothing_starts:"nothing starts",in_progress:"In progress",failed:"failed",orders:"Orders",open:count=>`${count} not over`,out_of_service:"Out of ser\
+vice",part:"Part",stage:"Stage",place:"Place",order:"Order",none:"none",waits_for:"Waits for",waits_for_nothing:"waits for nothing",ago:seconds=>`−${seconds} \
+s`,now:"now",last_frame:"last frame",window:"Time shown",seconds:seconds=>`${seconds} s`,legend:"Legend",at_rest:"at rest",lost:seconds=>`No connection to the c\
+onsole for ${seconds} s. Values that are struck through are from before.`,never:"No connection to the console yet.",operate:"Operate",no_safety:"No button of th\
+is page is a safety function, and none is an emergency stop device.",control_none:"Control: nobody. All pages read.",control_own:since=>`Control: this page, for\
+ ${since}`,control_other:(name2,since)=>`Control: ${name2}, for ${since}. This page reads.`,control_taken:name2=>`Control was taken over by ${name2}. This page \
+reads.`,control_gone:"This page had control, and has it no more.",pressed:button=>`${button} is held`,your_name:"Your name",take:"Take control",take_over:"Take \
+control over",give_up:"Give control up",read:"Read",no_control:"this page has no control; take it first (in the head of the page)",not_live:"the page shows what\
+ is of before; nothing is given",hold_it:"hold",is_held:"held",console_buttons:"Buttons of the console",selector:manual=>`selector at ${manual?"manual":"auto"}`,
+selector_unknown:"selector unknown",plan:"The way back to auto",since:why=>`since ${why}`,stands:how=>`if it stands so: ${how}`,ended_stalled:"released: the pag\
+e was too busy; hold it again",ended_lost:"released: no connection to the console; hold it again when it is back",ended_away:"released: the page was left; hold \
+it again",ended_control:"released: this page has no control any more",ended_left:"released: the pointer has left the button; hold it again",ended_second:"releas\
+ed: something else was touched meanwhile; let go, then hold it again",ended_cancelled:"released: the browser has taken the pointer; hold it again"},health={unknown:"\
+unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"\
+under way back",halted:"begun, stands",stopped:"stopped before its end",unknown:"unknown"},command_labels={estop:"all outputs off — no safety function"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
 props:p5,key:n3,ref:c4,__k:null,__:null,__b:0,__e:null,__c:null,constructor:f4,__v:--o4,__i:-1,__u:0};return(a5||i4)&&(s4.__source=a5,s4.__self=i4),n.vnode&&n.vnode(
 s4),s4}var WINDOWS_S=[12,30,60,120],WIDTH=1e3,HEIGHT=18,window_s=y3(30);function bar(stretch,now_ms,span_ms){let x3=at2=>WIDTH*(1-(now_ms-at2)/span_ms),from=Math.max(0,
 x3(stretch.from_ms)),to=x3(stretch.to_ms??now_ms);return to<=0?null:a4("rect",{class:`bar ${stretch.kind}`,x:from,y:"2",width:Math.max(to-from,1),height:HEIGHT-
@@ -155,21 +179,58 @@ aceOnUse",patternTransform:"rotate(45)",children:[a4("rect",{class:"hatch-ground
 a4("fieldset",{class:"choice",children:[a4("legend",{children:t4.window}),WINDOWS_S.map(seconds=>a4("button",{"aria-pressed":window_s.value===seconds,onClick:()=>window_s.
 value=seconds,children:t4.seconds(seconds)},seconds))]}),a4(Legend,{}),shown2.page.lanes.map(of=>a4("table",{class:"lanes",children:[a4("caption",{children:of.station}),
 a4("tbody",{children:of.lanes.map((lane,at2)=>a4(LaneRow,{lane,shown:shown2},at2))}),a4("tfoot",{children:a4("tr",{children:[a4("td",{colSpan:2}),a4("td",{class:"\
-axis",children:[a4("span",{children:t4.ago(window_s.value)}),a4("span",{children:t4.now})]})]})})]},of.station))]})}var LOST_AFTER_MS=380,LOOK_EVERY_MS=50,CONNECT_AGAIN_MS=400,SILENT_MS=3e3,shown=y3(null),lost_for=y3(null),sequence=0,drawn_at=performance.now(),received_at=performance.
-now();function drawn(){drawn_at=performance.now(),look()}function changed(value,path,at2,to){if(at2===path.length)return to;let step=path[at2];if(Array.isArray(
-value)&&typeof step=="number"&&step<value.length){let copy=value.slice();return copy[step]=changed(value[step],path,at2+1,to),copy}if(value!==null&&typeof value==
-"object"&&Object.hasOwn(value,step)){let from=value;return{...from,[step]:changed(from[step],path,at2+1,to)}}throw new Error("a change at a place that the page \
-does not have")}function take(frame){let page=frame.page;if(page===void 0){if(shown.value===null||frame.sequence!==sequence+1)throw new Error("a frame was misse\
-d");page=(frame.changes??[]).reduce((page2,[path,to])=>changed(page2,path,0,to),shown.value.page)}sequence=frame.sequence,shown.value={page,now_ms:frame.now_ms}}
-function connect(){let socket=new WebSocket(`ws://${location.host}/feed`);received_at=performance.now();let silent=setInterval(()=>{performance.now()-received_at>
-SILENT_MS&&socket.close()},CONNECT_AGAIN_MS);socket.onmessage=event=>{received_at=performance.now();try{take(JSON.parse(event.data)),socket.send(String(sequence))}catch(error){
-console.error(error),socket.close()}},socket.onclose=()=>{clearInterval(silent),setTimeout(connect,CONNECT_AGAIN_MS)}}function look(){let age=performance.now()-
-drawn_at,is_lost=age>LOST_AFTER_MS;document.documentElement.classList.toggle("lost",is_lost),lost_for.value=is_lost?Math.floor(age/100)*100:null}function begin(){
-setInterval(look,LOOK_EVERY_MS),document.addEventListener("visibilitychange",look),connect()}var SHAPES={1:"M1 1h18v18H1z",2:"M10 1 19 19H1z",3:"M1 1h18L10 19z"};function Priority({of,text}){return a4("span",{class:"priority",children:[a4("svg",{viewBox:"\
+axis",children:[a4("span",{children:t4.ago(window_s.value)}),a4("span",{children:lost_for.value===null?t4.now:t4.last_frame})]})]})})]},of.station))]})}var BEAT_MS=100,STALLED_MS=250,last=0,hold=null,held=y3(null),ended=y3(null);function is_inside(of){if(!of.element.isConnected)return!1;if(of.pointer===null)return document.
+activeElement===of.element;let at2=document.elementFromPoint(of.pointer.x,of.pointer.y);return at2!==null&&of.element.contains(at2)}function beat(){if(hold===null)
+return;let now=performance.now(),page=shown.value?.page;now-hold.beat_at>STALLED_MS?end(t4.ended_stalled):!is_live()||hold.connection!==connection.value?end(t4.
+ended_lost):document.hidden||!document.hasFocus()?end(t4.ended_away):page?.control.holder?.connection!==connection.value?end(t4.ended_control):page.control.note!==
+null&&page.control.note.connection===hold.connection&&page.control.note.press===hold.number?end(page.control.note.text):is_inside(hold)?(hold.beat_at=now,operate(
+{beat:{number:hold.number}})||end(t4.ended_lost)):end(t4.ended_left)}function begin2(key,act,element,pointer){if(hold!==null)return end(t4.ended_second);if(!("p\
+ress"in act))return;last+=1;let is_sent=is_live()&&operate({press:{...act.press,number:last}});ended.value=is_sent?null:{key,why:t4.ended_lost},!(!is_sent||connection.
+value===null)&&(hold={key,number:last,connection:connection.value,element,pointer,timer:setInterval(beat,BEAT_MS),beat_at:performance.now()},held.value=key)}function end(why){
+if(hold===null)return;let{key,number,timer}=hold;clearInterval(timer),hold=null,held.value=null,why!==null&&(ended.value={key,why}),operate({release:{number}})}
+function holds(key,act,may,refuse){return{onPointerDown:event=>{if(event.preventDefault(),!event.isPrimary||event.button!==0)return end(t4.ended_second);let element=event.
+currentTarget;if(element.focus(),!may)return refuse();begin2(key,act,element,{id:event.pointerId,x:event.clientX,y:event.clientY})},onKeyDown:event=>{if(event.code!==
+"Space"){hold!==null&&hold.pointer===null&&end(t4.ended_second);return}if(event.preventDefault(),!event.repeat){if(!may)return refuse();begin2(key,act,event.currentTarget,
+null)}},onContextMenu:event=>event.preventDefault(),onClick:event=>event.preventDefault()}}function watch_holds(){let on=(name2,end_of)=>addEventListener(name2,
+event=>hold?.pointer&&end_of(event),{capture:!0});on("pointermove",event=>{let at2=hold.pointer;event.pointerId===at2.id&&([at2.x,at2.y]=[event.clientX,event.clientY],
+event.buttons===0?end(null):is_inside(hold)||end(t4.ended_left))});for(let name2 of["pointerup","pointercancel"])on(name2,event=>event.pointerId===hold.pointer.
+id&&end(name2==="pointerup"?null:t4.ended_cancelled));let second=event=>{hold!==null&&(end(t4.ended_second),event.stopPropagation())};addEventListener("pointerd\
+own",second,{capture:!0}),document.documentElement.addEventListener("pointerleave",()=>hold?.pointer&&end(t4.ended_left)),addEventListener("keyup",event=>event.
+code==="Space"&&hold!==null&&hold.pointer===null&&end(null),{capture:!0}),addEventListener("keydown",()=>hold!==null&&hold.pointer!==null&&end(t4.ended_second),
+{capture:!0}),addEventListener("blur",()=>end(t4.ended_away)),addEventListener("pagehide",()=>end(t4.ended_away)),document.addEventListener("visibilitychange",()=>document.
+hidden&&end(t4.ended_away)),document.addEventListener("focusout",event=>hold!==null&&event.target===hold.element&&end(t4.ended_left)),on_loss(()=>end(t4.ended_lost))}var SHAPES={1:"M1 1h18v18H1z",2:"M10 1 19 19H1z",3:"M1 1h18L10 19z"};function Priority({of,text}){return a4("span",{class:"priority",children:[a4("svg",{viewBox:"\
 0 0 20 20",class:`p${of}`,"aria-hidden":"true",children:[a4("path",{d:SHAPES[of]}),a4("text",{x:"10",y:of===3?11:15.5,"text-anchor":"middle",children:of})]}),text]})}
 function HealthSign({of}){return a4("span",{class:`health ${of} value`,children:health[of]})}function List({of}){return a4("ul",{children:of.map((text,at2)=>a4(
 "li",{class:"value",children:text},at2))})}function Heads({of}){return a4("thead",{children:a4("tr",{children:of.map(head=>a4("th",{scope:"col",children:head},head))})})}
-function Named({head,of}){return of.length>0?a4("p",{class:"value",children:`${head}: ${of.join(", ")}`}):null}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
+function Named({head,of}){return of.length>0?a4("p",{class:"value",children:`${head}: ${of.join(", ")}`}):null}var asked=y3(null),name=y3("");function has_control(page){return page.control.holder!==null&&page.control.holder.connection===connection.value}var is_stop=act=>"\
+command"in act&&act.command.word==="estop";function why_not(page,button){return lost_for.value!==null&&!is_stop(button.act)?t4.not_live:has_control(page)?button.
+why_not:t4.no_control}function remark(page,button){let{note}=page.control;if(ended.value?.key===button.key)return ended.value.why;if(note!==null&&note.connection===
+connection.value&&note.key===button.key)return note.text;let word="command"in button.act?[button.act.command.word,button.act.command.station].filter(Boolean).join(
+" "):null;return word!==null&&word===page.mode.refused?page.mode.refusal:asked.value?.key===button.key&&asked.value.why===why_not(page,button)?asked.value.why:null}
+function ActButton({page,button}){let why=why_not(page,button),refuse=()=>asked.value=why===null?null:{key:button.key,why},is_hold="press"in button.act,handlers=is_hold?
+holds(button.key,button.act,why===null,refuse):{onClick:()=>{refuse(),ended.value=null,why===null&&operate(button.act)}},label="command"in button.act&&button.act.
+command.station===void 0?command_labels[button.label]??button.label:button.label,is_held=held.value===button.key;return a4("button",{type:"button",class:`${is_hold?
+"hold":""} ${is_stop(button.act)?"stop":""} ${is_held?"is-held":""}`,"aria-disabled":why!==null,"aria-pressed":is_hold?is_held:void 0,"data-key":button.key,...handlers,
+children:[label,is_hold&&a4("small",{children:is_held?t4.is_held:t4.hold_it})]})}function Acts({page,of}){let remarked=of.map(button=>[button.label,remark(page,
+button)]).find(([,text])=>text!==null);return a4($,{children:[a4("div",{class:"acts",children:of.map(button=>a4(ActButton,{page,button},button.key))}),a4("p",{class:"\
+remark",role:"status",children:remarked&&`${remarked[0]}: ${remarked[1]}`})]})}function Control({page}){let{holder,press,note}=page.control,is_own=has_control(page),
+refused=note!==null&&note.connection===connection.value&&note.key==="control"?note.text:null;return a4("div",{class:is_own?"control own":"control",id:"control",
+children:[a4("span",{class:"value",children:[holder===null?t4.control_none:is_own?t4.control_own(holder.since):t4.control_other(holder.name,holder.since),press!==
+null&&` · ${t4.pressed(press.button)}`]}),!is_own&&a4("input",{"aria-label":t4.your_name,placeholder:t4.your_name,maxLength:40,value:name.value,onInput:event=>name.
+value=event.target.value}),a4("button",{type:"button","data-key":"control",onClick:()=>operate(is_own?{give_up:{}}:{take:{name:name.value}}),children:is_own?t4.
+give_up:holder===null?t4.take:t4.take_over}),refused!==null&&a4("span",{class:"remark",role:"status",children:refused})]})}function Plan({page}){let plan=page.plan;
+return plan===null?null:a4("section",{class:"plan",children:[a4("h2",{children:t4.plan}),a4(List,{of:plan.begin}),a4("ol",{children:plan.steps.map((step,at2)=>a4(
+"li",{class:at2===plan.next?"value next":"value","aria-current":at2===plan.next?"step":void 0,children:[step.text,step.since!==null&&a4("p",{children:t4.since(step.
+since)}),a4(List,{of:step.stands.map(t4.stands)})]},at2))}),plan.button!==null&&a4($,{children:[a4("h3",{children:t4.next}),a4(Acts,{page,of:[with_reason(page,plan.
+button)]})]}),a4(List,{of:plan.end})]})}function with_reason(page,button){let{commands,hand,resume,panels}=page.operate,same=[...commands,...hand,resume,...panels.
+flatMap(panel=>[...panel.holds,...panel.selects])].find(of=>of.key===button.key);return same===void 0?button:{...button,why_not:same.why_not}}function Operate({
+page}){let{commands,hand,resume,panels}=page.operate;return a4($,{children:[a4("p",{class:page.mode.is_known?"value text fixed":"value text fixed is-unknown",children:page.
+mode.text}),a4(Acts,{page,of:commands}),a4(Plan,{page}),a4("section",{children:[a4("h2",{children:t4.console_buttons}),a4(Acts,{page,of:[...hand,resume]})]}),panels.
+map((panel,at2)=>{let station=page.stations[at2];return a4("section",{children:[a4("h2",{children:[panel.station," ",station&&a4(HealthSign,{of:station.health})]}),
+a4(Acts,{page,of:[...panel.holds,...panel.selects]}),a4("div",{class:"fixed",children:[station&&a4("p",{class:station.moves?"value moves":"value",children:station.
+unknown??station.operation}),station?.fault&&a4("p",{class:"value fault-text",children:station.fault}),a4("p",{class:"value",children:panel.is_manual===null?t4.
+selector_unknown:t4.selector(panel.is_manual)}),station&&station.waits_for.length>0&&a4($,{children:[a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]})]})]},
+panel.station)})]})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
 is-unknown",children:mode.text}),mode.is_enabled===!1&&a4(Named,{head:t4.not_all,of:mode.waiting_for}),mode.refusal&&a4("p",{class:"value",children:mode.refusal}),
 a4(Named,{head:t4.left_out,of:mode.left_out}),a4(Named,{head:t4.restarted,of:mode.restarted}),mode.is_known&&!page.is_cell&&a4("p",{children:[t4.cycle,": ",a4("\
 span",{class:"value",children:mode.cycle?`${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})`:t4.no_cycle})]}),page.next&&a4("p",{class:"next",children:[
@@ -201,14 +262,18 @@ value",children:t4.none}):a4(List,{of:cell.out_of_service.map(of=>of.text)})]})]
 map(station=>a4("section",{children:[a4("h2",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null&&a4("p",{class:"value is-u\
 nknown",children:station.unknown}),station.fault&&a4("p",{class:"value fault-text",children:station.fault}),station.unknown===null&&station.waits_for.length===0&&
 a4("p",{class:"value",children:t4.waits_for_nothing}),station.waits_for.length>0&&a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]},station.
-name))]})}var names=["overview","chart","alarms","cell","waiting"],here=()=>names.find(name=>`#${name}`===location.hash)??"overview",at=y3(here());addEventListener("hashc\
-hange",()=>at.value=here());function Banner({page}){let first=page.alarms[0];return first===void 0?a4("p",{class:"banner none value",children:t4.alarms_none}):a4(
-"a",{class:"banner",href:"#alarms",children:[a4(Priority,{of:first.priority,text:first.priority_text}),a4("span",{class:"value what",children:`${first.source}: ${first.
-text}`}),a4("span",{class:"value",children:t4.more_alarms(page.alarms.length)})]})}function Lost(){let age=lost_for.value;if(age===null)return null;let text=shown.
-value===null?t4.never:t4.lost((age/1e3).toFixed(1));return a4("div",{id:"lost",role:"alert",children:text})}function Body(){let now=shown.value;if(F2(()=>{now!==
-null&&drawn()},[now]),now===null)return null;let page=now.page,name=at.value==="cell"&&!page.is_cell?"overview":at.value;return a4($,{children:[a4("header",{children:[
-a4("div",{class:"title",children:[a4("h1",{children:page.title}),a4("p",{children:[t4.mode,":"," ",a4("strong",{id:"mode",class:page.mode.is_known?"value":"valu\
-e is-unknown",children:page.mode.is_known?page.mode.word:t4.unknown})]})]}),a4("nav",{"aria-label":t4.pages,children:names.filter(name2=>name2!=="cell"||page.is_cell).
-map(of=>a4("a",{href:`#${of}`,"aria-current":of===name?"page":void 0,children:t4[of]},of))}),a4(Banner,{page})]}),a4("main",{children:[name==="overview"&&a4(Overview,
-{page}),name==="chart"&&a4(Chart,{shown:now}),name==="alarms"&&a4(Alarms,{page}),name==="cell"&&a4(Cell,{page}),name==="waiting"&&a4(Waiting,{page})]}),a4("foot\
-er",{children:t4.reads_only})]})}Q(a4($,{children:[a4(Body,{}),a4(Lost,{})]}),document.getElementById("page"));begin();
+name))]})}var names=["overview","operate","chart","alarms","cell","waiting"],here=()=>names.find(name2=>`#${name2}`===location.hash)??"overview",at=y3(here());addEventListener(
+"hashchange",()=>at.value=here());function Banner({page}){let first=page.alarms[0];return first===void 0?a4("p",{class:"banner none value",children:t4.alarms_none}):
+a4("a",{class:"banner",href:"#alarms",children:[a4(Priority,{of:first.priority,text:first.priority_text}),a4("span",{class:"value what",children:`${first.source}\
+: ${first.text}`}),a4("span",{class:"value",children:t4.more_alarms(page.alarms.length)})]})}var had_control=y3(!1),lost_control=y3(!1);function Taken({page}){let has=has_control(
+page);return F2(()=>{has?lost_control.value=!1:had_control.value&&page.control.holder!==null&&(lost_control.value=!0),had_control.value=has},[has,page.control.holder?.
+connection]),has||!lost_control.value?null:a4("p",{class:"taken",role:"alert",children:[page.control.holder===null?t4.control_gone:t4.control_taken(page.control.
+holder.name)," ",a4("button",{type:"button",onClick:()=>lost_control.value=!1,children:t4.read})]})}function Lost(){let age=lost_for.value;if(age===null)return null;
+let text=shown.value===null?t4.never:t4.lost((age/1e3).toFixed(1));return a4("div",{id:"lost",role:"alert",children:text})}function Body(){let now=shown.value;if(F2(
+()=>{now!==null&&drawn(now)},[now]),now===null)return null;let page=now.page,name2=at.value==="cell"&&!page.is_cell?"overview":at.value;return a4($,{children:[a4(
+"header",{children:[a4("div",{class:"title",children:[a4("h1",{children:page.title}),a4("p",{children:[t4.mode,":"," ",a4("strong",{id:"mode",class:page.mode.is_known?
+"value":"value is-unknown",children:page.mode.is_known?page.mode.word:t4.unknown})]})]}),a4("nav",{"aria-label":t4.pages,children:names.filter(name3=>name3!=="c\
+ell"||page.is_cell).map(of=>a4("a",{href:`#${of}`,"aria-current":of===name2?"page":void 0,children:t4[of]},of))}),a4(Banner,{page}),a4(Control,{page}),a4(Taken,
+{page})]}),a4("main",{children:[name2==="overview"&&a4(Overview,{page}),name2==="operate"&&a4(Operate,{page}),name2==="chart"&&a4(Chart,{shown:now}),name2==="al\
+arms"&&a4(Alarms,{page}),name2==="cell"&&a4(Cell,{page}),name2==="waiting"&&a4(Waiting,{page})]}),a4("footer",{children:t4.no_safety})]})}Q(a4($,{children:[a4(Body,
+{}),a4(Lost,{})]}),document.getElementById("page"));watch_holds();begin();

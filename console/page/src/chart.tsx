@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import type { Lane, Stretch, StretchKind } from "./model";
-import type { Shown } from "./feed";
+import { lost_for, type Shown } from "./feed";
 import { kinds, t } from "./texts";
 
 const WINDOWS_S = [12, 30, 60, 120];
@@ -83,7 +83,7 @@ export function Chart({ shown }: { shown: Shown }) {
               <td colSpan={2} />
               <td class="axis">
                 <span>{t.ago(window_s.value)}</span>
-                <span>{t.now}</span>
+                <span>{lost_for.value === null ? t.now : t.last_frame}</span>
               </td>
             </tr>
           </tfoot>

@@ -1,10 +1,11 @@
 // Frames from the server, and the loss of them.
 //
 // A page counts as lost when no frame was drawn for LOST_AFTER_MS, whatever the reason: no server, no network, a script that has failed.
-// Clocks of server and browser are never compared: ages are differences of the browser's own clock, and of `now_ms` of frames.
+// Clocks of server and browser are never compared, only how far each has gone: a frame that was under way for longer than the one that was
+// fastest on its connection, by more than LOST_AFTER_MS, is one of before, and is shown as lost.
 
 import { signal } from "@preact/signals";
-import type { Frame, Page } from "./model";
+import type { Act, Frame, Page } from "./model";
 
 /** Frames come ten times a second; with the period of the look, a loss is shown within 500 ms. */
 const LOST_AFTER_MS = 380;
@@ -16,6 +17,8 @@ const SILENT_MS = 3000;
 export interface Shown {
   page: Page;
   now_ms: number;
+  /** How much longer its frame was under way than the fastest one of its connection, in ms. */
+  late_ms: number;
 }
 
 /** The newest page; null before the first frame. */
@@ -23,13 +26,47 @@ export const shown = signal<Shown | null>(null);
 /** For how long no frame was drawn, in ms; null while they come. */
 export const lost_for = signal<number | null>(null);
 
-let sequence = 0;
-let drawn_at = performance.now();
-let received_at = performance.now();
+/** Number of the present connection; null before its first frame. */
+export const connection = signal<number | null>(null);
 
-/** A frame was drawn. */
-export function drawn(): void {
-  drawn_at = performance.now();
+let socket: WebSocket | null = null;
+/** Number that the server has given to the connection, before its first frame. */
+let greeted: number | null = null;
+let seen_ms = 0;
+let lost_listener: () => void = () => {};
+
+/** Called when frames are lost, or the connection. */
+export function on_loss(listener: () => void): void {
+  lost_listener = listener;
+}
+
+/** Whether what is shown is of now, and something may be given. */
+export function is_live(): boolean {
+  return connection.value !== null && performance.now() - drawn_at <= LOST_AFTER_MS;
+}
+
+/** Sends what is done at the page; false without a connection. It is never kept for later: what waits in the socket is too much. */
+export function operate(act: Act): boolean {
+  if (socket === null || socket.readyState !== WebSocket.OPEN || connection.value === null) return false;
+  if (socket.bufferedAmount > 2000) {
+    socket.close();
+    return false;
+  }
+  socket.send(JSON.stringify({ seen_ms, act }));
+  return true;
+}
+
+let sequence = 0;
+/** Before the first frame nothing is of now. */
+let drawn_at = -Infinity;
+let received_at = performance.now();
+/** Least time of the browser's clock at which a frame came, less the frame's own, on this connection. */
+let least_offset = Infinity;
+
+/** A frame was drawn. It is of the time before it was under way. */
+export function drawn(of: Shown): void {
+  drawn_at = Math.max(drawn_at, performance.now() - of.late_ms);
+  seen_ms = of.now_ms;
   look();
 }
 
@@ -56,27 +93,41 @@ function take(frame: Frame): void {
     page = (frame.changes ?? []).reduce<unknown>((page, [path, to]) => changed(page, path, 0, to), shown.value.page) as Page;
   }
   sequence = frame.sequence;
-  shown.value = { page, now_ms: frame.now_ms };
+  const offset = performance.now() - frame.now_ms;
+  least_offset = Math.min(least_offset, offset);
+  const late_ms = offset - least_offset;
+  // One connection after the other begins anew where all frames are late, or the clocks of two machines run apart.
+  if (late_ms < LOST_AFTER_MS) received_at = performance.now();
+  shown.value = { page, now_ms: frame.now_ms, late_ms };
+  connection.value = greeted;
 }
 
 function connect(): void {
-  const socket = new WebSocket(`ws://${location.host}/feed`);
+  const opened = new WebSocket(`ws://${location.host}/feed`);
+  socket = opened;
   received_at = performance.now();
+  least_offset = Infinity;
   const silent = setInterval(() => {
-    if (performance.now() - received_at > SILENT_MS) socket.close();
+    if (performance.now() - received_at > SILENT_MS) opened.close();
   }, CONNECT_AGAIN_MS);
-  socket.onmessage = (event) => {
-    received_at = performance.now();
+  opened.onmessage = (event) => {
     try {
-      take(JSON.parse(event.data as string) as Frame);
-      socket.send(String(sequence));
+      const message = JSON.parse(event.data as string) as Frame | { connection: number };
+      if ("connection" in message) {
+        greeted = message.connection;
+        return;
+      }
+      take(message);
+      opened.send(String(sequence));
     } catch (error) {
       // The next connection begins with the whole page.
       console.error(error);
-      socket.close();
+      opened.close();
     }
   };
-  socket.onclose = () => {
+  opened.onclose = () => {
+    connection.value = greeted = null;
+    lost_listener();
     clearInterval(silent);
     setTimeout(connect, CONNECT_AGAIN_MS);
   };
@@ -87,6 +138,7 @@ function look(): void {
   const is_lost = age > LOST_AFTER_MS;
   // Outside of what is rendered: it is grey also when rendering fails.
   document.documentElement.classList.toggle("lost", is_lost);
+  if (is_lost && lost_for.value === null) lost_listener();
   lost_for.value = is_lost ? Math.floor(age / 100) * 100 : null;
 }
 

@@ -6,11 +6,13 @@ import { useLayoutEffect } from "preact/hooks";
 import { Chart } from "./chart";
 import { begin, drawn, lost_for, shown } from "./feed";
 import type { Page } from "./model";
+import { watch_holds } from "./hold";
+import { Control, Operate, has_control } from "./operate";
 import { Alarms, Cell, Overview, Waiting } from "./pages";
 import { Priority } from "./parts";
 import { t } from "./texts";
 
-const names = ["overview", "chart", "alarms", "cell", "waiting"] as const;
+const names = ["overview", "operate", "chart", "alarms", "cell", "waiting"] as const;
 type Name = (typeof names)[number];
 
 const here = (): Name => names.find((name) => `#${name}` === location.hash) ?? "overview";
@@ -29,6 +31,29 @@ function Banner({ page }: { page: Page }) {
   );
 }
 
+/** Whether this page had control when it was drawn last. */
+const had_control = signal(false);
+const lost_control = signal(false);
+
+// That control was taken by another page, until this one takes it again, or it is read.
+function Taken({ page }: { page: Page }) {
+  const has = has_control(page);
+  useLayoutEffect(() => {
+    if (has) lost_control.value = false;
+    else if (had_control.value && page.control.holder !== null) lost_control.value = true;
+    had_control.value = has;
+  }, [has, page.control.holder?.connection]);
+  if (has || !lost_control.value) return null;
+  return (
+    <p class="taken" role="alert">
+      {page.control.holder === null ? t.control_gone : t.control_taken(page.control.holder.name)}{" "}
+      <button type="button" onClick={() => (lost_control.value = false)}>
+        {t.read}
+      </button>
+    </p>
+  );
+}
+
 function Lost() {
   const age = lost_for.value;
   if (age === null) return null;
@@ -43,7 +68,7 @@ function Lost() {
 function Body() {
   const now = shown.value;
   useLayoutEffect(() => {
-    if (now !== null) drawn();
+    if (now !== null) drawn(now);
   }, [now]);
   if (now === null) return null;
   const page = now.page;
@@ -70,15 +95,18 @@ function Body() {
             ))}
         </nav>
         <Banner page={page} />
+        <Control page={page} />
+        <Taken page={page} />
       </header>
       <main>
         {name === "overview" && <Overview page={page} />}
+        {name === "operate" && <Operate page={page} />}
         {name === "chart" && <Chart shown={now} />}
         {name === "alarms" && <Alarms page={page} />}
         {name === "cell" && <Cell page={page} />}
         {name === "waiting" && <Waiting page={page} />}
       </main>
-      <footer>{t.reads_only}</footer>
+      <footer>{t.no_safety}</footer>
     </>
   );
 }
@@ -90,4 +118,5 @@ render(
   </>,
   document.getElementById("page")!,
 );
+watch_holds();
 begin();

@@ -43,6 +43,7 @@ export interface Mode {
   left_out: string[];
   restarted: string[];
   refusal: string | null;
+  refused: string;
   cycle: { number: number; duration_s: number } | null;
 }
 
@@ -82,7 +83,48 @@ export interface Cell {
   out_of_service: { resource: string; text: string }[];
 }
 
+/** What is done at a page, as the server reads it. */
+export type Act =
+  | { take: { name: string } }
+  | { give_up: Record<string, never> }
+  | { command: { word: string; station?: string } }
+  | { select: { station: string; manual: boolean } }
+  | { press: { number: number; station?: string; button: string } }
+  | { beat: { number: number } }
+  | { release: { number: number } };
+
+export interface OperateButton {
+  key: string;
+  label: string;
+  act: Act;
+  why_not: string | null;
+}
+
+export interface OperatePart {
+  commands: OperateButton[];
+  hand: OperateButton[];
+  resume: OperateButton;
+  panels: { station: string; holds: OperateButton[]; selects: OperateButton[]; is_manual: boolean | null }[];
+}
+
+export interface Plan {
+  begin: string[];
+  steps: { text: string; since: string | null; stands: string[] }[];
+  end: string[];
+  next: number | null;
+  button: OperateButton | null;
+}
+
+export interface ControlPart {
+  holder: { connection: number; name: string; since: string } | null;
+  press: { number: number; button: string } | null;
+  note: { connection: number; key: string; press: number | null; text: string } | null;
+}
+
 export interface Page {
+  operate: OperatePart;
+  plan: Plan | null;
+  control: ControlPart;
   title: string;
   is_cell: boolean;
   mode: Mode;

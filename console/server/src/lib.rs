@@ -5,8 +5,8 @@
 //! is sent the whole page where it has missed one. A reader that acknowledges nothing for [`ACK_WITHIN`] is dropped. No reader holds up
 //! another one, or the sender of the frames. Connections, readers and what a reader may send are bounded.
 //!
-//! It does not know what a page is about, and nothing that a reader sends goes any further than to this crate: a number that acknowledges
-//! a frame is all that is read.
+//! It does not know what a page is about, and decides nothing of what is done at one: that goes on as a [`PageEvent`], with the number of
+//! its connection. What no page sends ends its connection.
 //!
 //! A page of another site in the same browser is kept out by [`OwnNames`]: `Host` has to name this server, and `Origin`, where it is sent,
 //! the page that it serves.
@@ -30,5 +30,5 @@ mod server;
 
 pub use origin::{OwnNames, RequestRefusal};
 pub use page::{ASSETS, Asset};
-pub use reader::{ACK_WITHIN, MESSAGE_MAX, MESSAGES_MAX};
+pub use reader::{ACK_WITHIN, MESSAGE_MAX, MESSAGES_MAX, PageEvent, PageEventKind};
 pub use server::{CONNECTIONS_MAX, ListenError, NewestFrame, PageServer, READERS_MAX};

@@ -3,25 +3,27 @@
 use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use linewright_console_view::PageFrame;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::{Semaphore, mpsc, watch};
+use tokio::time::timeout;
 
 use crate::origin::OwnNames;
 use crate::page::ASSETS;
-use crate::reader;
+use crate::reader::{self, PageEvent};
 
 /// The newest frame; none before the first.
 pub type NewestFrame = watch::Receiver<Option<Arc<PageFrame>>>;
@@ -34,6 +36,9 @@ pub const CONNECTIONS_MAX: usize = 64;
 
 /// Time in which a request is there with all its headers; afterwards the connection ends.
 const REQUEST_WITHIN: Duration = Duration::from_secs(5);
+
+/// Time after which a connection that has not become a reader's ends, also one that does not read its answers.
+const CONNECTION_WITHIN: Duration = Duration::from_secs(30);
 
 /// Most bytes of a request with its headers.
 const REQUEST_MAX: usize = 16 * 1024;
@@ -111,17 +116,18 @@ impl PageServer {
         self.address
     }
 
-    /// Serves until it is dropped; its connections end when `frames` has no sender any more.
-    pub async fn run(self, frames: NewestFrame) {
-        let router = router(OwnNames::of(self.address), frames);
+    /// Serves until it is dropped; its connections end when `frames` has no sender any more, or `events` no receiver. What comes while
+    /// `events` is full ends its connection.
+    pub async fn run(self, frames: NewestFrame, events: mpsc::Sender<PageEvent>) {
+        let router = router(OwnNames::of(self.address), frames, events);
         let connections = Arc::new(Semaphore::new(CONNECTIONS_MAX));
         loop {
             let Ok(permit) = connections.clone().acquire_owned().await else { return };
-            let Ok((stream, _)) = self.listener.accept().await else {
+            let Ok((stream, from)) = self.listener.accept().await else {
                 tokio::time::sleep(ACCEPT_PAUSE).await;
                 continue;
             };
-            let router = router.clone();
+            let router = router.clone().layer(Extension(from));
             tokio::spawn(async move {
                 connection(stream, router).await;
                 drop(permit);
@@ -137,17 +143,20 @@ async fn connection(stream: TcpStream, router: Router) {
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(REQUEST_WITHIN).max_buf_size(REQUEST_MAX);
     let served = http.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router)).with_upgrades();
-    let _ = served.await;
+    let _ = timeout(CONNECTION_WITHIN, served).await;
 }
 
 #[derive(Clone)]
 struct Feed {
     frames: NewestFrame,
     readers: Arc<Semaphore>,
+    /// Of the connection opened last.
+    number: Arc<AtomicU64>,
+    events: mpsc::Sender<PageEvent>,
 }
 
-fn router(own: OwnNames, frames: NewestFrame) -> Router {
-    let feed = Feed { frames, readers: Arc::new(Semaphore::new(READERS_MAX)) };
+fn router(own: OwnNames, frames: NewestFrame, events: mpsc::Sender<PageEvent>) -> Router {
+    let feed = Feed { frames, readers: Arc::new(Semaphore::new(READERS_MAX)), number: Arc::default(), events };
     let mut router = Router::new().route(FEED, get(open_feed)).with_state(feed);
     for asset in &ASSETS {
         let answer = ([(header::CONTENT_TYPE, asset.content_type)], asset.text);
@@ -175,14 +184,19 @@ fn add_headers(headers: &mut HeaderMap) {
     }
 }
 
-async fn open_feed(State(feed): State<Feed>, upgrade: WebSocketUpgrade) -> Response {
+async fn open_feed(
+    State(feed): State<Feed>,
+    Extension(from): Extension<SocketAddr>,
+    upgrade: WebSocketUpgrade,
+) -> Response {
     let Ok(permit) = feed.readers.try_acquire_owned() else {
         let text = format!("{READERS_MAX} readers are served already; close a page of the console first");
         return (StatusCode::SERVICE_UNAVAILABLE, text).into_response();
     };
     let upgrade = upgrade.max_message_size(reader::MESSAGE_MAX).max_frame_size(reader::MESSAGE_MAX);
     upgrade.on_upgrade(move |socket| async move {
-        reader::serve(socket, feed.frames).await;
+        let number = feed.number.fetch_add(1, Ordering::Relaxed) + 1;
+        reader::serve(socket, feed.frames, number, from.to_string(), feed.events).await;
         drop(permit);
     })
 }

@@ -6,12 +6,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use futures::{SinkExt, StreamExt};
-use linewright_console_server::{ACK_WITHIN, ListenError, MESSAGES_MAX, PageServer, READERS_MAX};
-use linewright_console_view::{PageFeed, PageFrame, PageReader};
-use serde_json::json;
+use linewright_console_server::{
+    ACK_WITHIN, ListenError, MESSAGES_MAX, PageEvent, PageEventKind, PageServer, READERS_MAX,
+};
+use linewright_console_view::{PageAct, PageFeed, PageFrame, PageOperation, PageReader};
+use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
-use tokio::sync::watch;
+use tokio::sync::{mpsc, watch};
 use tokio::time::{Instant, timeout};
 use tokio_tungstenite::tungstenite::client::IntoClientRequest;
 use tokio_tungstenite::tungstenite::{Bytes, Error, Message};
@@ -27,6 +29,7 @@ struct TestServer {
     address: SocketAddr,
     feed: PageFeed,
     frames: watch::Sender<Option<Arc<PageFrame>>>,
+    events: mpsc::Receiver<PageEvent>,
 }
 
 impl TestServer {
@@ -34,8 +37,9 @@ impl TestServer {
         let server = PageServer::bind("127.0.0.1:0".parse().expect("an address")).await.expect("a free port");
         let (frames, newest) = watch::channel(None);
         let address = server.address();
-        tokio::spawn(server.run(newest));
-        TestServer { address, feed: PageFeed::default(), frames }
+        let (to, events) = mpsc::channel(1000);
+        tokio::spawn(server.run(newest, to));
+        TestServer { address, feed: PageFeed::default(), frames, events }
     }
 
     /// Publishes a page with this value.
@@ -63,7 +67,20 @@ impl TestServer {
     async fn reader(&self) -> TestReader {
         let origin = format!("http://{}", self.address);
         let socket = self.open(None, Some(&origin)).await.expect("it is served");
-        TestReader { socket, page: PageReader::default() }
+        let mut reader = TestReader { socket, page: PageReader::default(), connection: 0 };
+        let greeting: Value = serde_json::from_str(&reader.text().await).expect("JSON");
+        reader.connection = greeting["connection"].as_u64().expect("its number");
+        reader
+    }
+
+    /// The next event of this connection.
+    async fn event(&mut self, connection: u64) -> PageEventKind {
+        loop {
+            let event = timeout(PATIENCE, self.events.recv()).await.expect("an event").expect("it serves");
+            if event.connection == connection {
+                return event.what;
+            }
+        }
     }
 
     /// The answer to a request that is written out.
@@ -80,13 +97,19 @@ impl TestServer {
 struct TestReader {
     socket: Socket,
     page: PageReader,
+    connection: u64,
 }
 
 impl TestReader {
+    async fn text(&mut self) -> String {
+        let message =
+            timeout(PATIENCE, self.socket.next()).await.expect("one comes").expect("open").expect("a message");
+        message.into_text().expect("text").to_string()
+    }
+
     /// The next frame; gives its number and its length. Not acknowledged yet.
     async fn frame(&mut self) -> (u64, usize) {
-        let message = timeout(PATIENCE, self.socket.next()).await.expect("a frame").expect("open").expect("a message");
-        let text = message.into_text().expect("text");
+        let text = self.text().await;
         (self.page.take(&text).expect("a frame that fits"), text.len())
     }
 
@@ -219,6 +242,10 @@ async fn what_no_page_sends_ends_that_connection_alone() {
         vec![Message::text("x")],
         vec![Message::text("2")],
         vec![Message::text("-1")],
+        vec![Message::text(r#"{"seen_ms":1,"act":"explode"}"#)],
+        vec![Message::text(r#"{"seen_ms":1,"act":{"beat":{"number":1,"more":2}}}"#)],
+        vec![Message::text(r#"{"act":{"beat":{"number":1}}}"#)],
+        vec![Message::text(r#"{"seen_ms":1,"act":{"beat":{"number":-1}}}"#)],
         vec![Message::binary(vec![1])],
         pings().collect(),
     ] {
@@ -275,4 +302,27 @@ async fn an_address_for_other_hosts_and_one_in_use_are_refused_with_the_reason()
     let served = TestServer::start().await;
     let error = refused(served.address.to_string()).await.expect("it is refused");
     assert!(matches!(error, ListenError::InUse(_)) && error.to_string().contains("--listen"), "{error}");
+}
+
+#[tokio::test]
+async fn what_is_done_at_a_page_comes_with_its_connection_between_its_begin_and_its_end() {
+    let mut served = TestServer::start().await;
+    served.publish(1);
+    let (mut first, mut second) = (served.reader().await, served.reader().await);
+    assert_ne!(first.connection, second.connection);
+    first.next().await;
+    let beat = |number| PageOperation { seen_ms: 7, act: PageAct::Beat { number } };
+    for (is_first, number) in [(false, 1), (true, 2), (false, 3)] {
+        let text = serde_json::to_string(&beat(number)).expect("JSON");
+        let reader = if is_first { &mut first } else { &mut second };
+        reader.socket.send(Message::text(text)).await.expect("sent");
+    }
+    assert!(
+        matches!(served.event(first.connection).await, PageEventKind::Opened(from) if from.starts_with("127.0.0.1:"))
+    );
+    assert_eq!(served.event(first.connection).await, PageEventKind::Operated(beat(2)));
+    // Cut off without a word of parting.
+    let number = first.connection;
+    drop(first);
+    assert_eq!(served.event(number).await, PageEventKind::Closed);
 }

@@ -84,6 +84,9 @@ impl LineAlarm {
     }
 }
 
+/// What alarms of an emergency stop are about.
+pub(crate) const EMERGENCY_STOP: &str = "emergency stop";
+
 fn plain(key: String, source: String, priority: AlarmPriority, text: String, age: String) -> AlarmPart {
     AlarmPart {
         key,
@@ -109,7 +112,7 @@ fn plain(key: String, source: String, priority: AlarmPriority, text: String, age
 pub(crate) struct FirstReceived(BTreeMap<String, Duration>);
 
 impl FirstReceived {
-    /// The alarms with their ages. Those that are not among them are forgotten.
+    /// The alarms with their ages, by priority, of one priority emergency stops first and then the newest. Those that are not among them are forgotten.
     pub fn aged(&mut self, now: Duration, alarms: Vec<LineAlarm>) -> Vec<AlarmPart> {
         let mut before = std::mem::take(&mut self.0);
         let mut aged = |alarm: LineAlarm| {
@@ -120,9 +123,10 @@ impl FirstReceived {
             let age = format!("shown for {}", span(now.saturating_sub(since).as_secs_f64()));
             (since, plain(key, alarm.source, alarm.priority, alarm.text, age))
         };
-        let mut all: Vec<(Duration, AlarmPart)> = alarms.into_iter().map(&mut aged).collect();
-        all.sort_by_key(|(since, _)| std::cmp::Reverse(*since));
-        all.into_iter().map(|(_, alarm)| alarm).collect()
+        let rank = |alarm: &LineAlarm| (alarm.priority, alarm.what != EMERGENCY_STOP);
+        let mut all: Vec<_> = alarms.into_iter().map(|alarm| (rank(&alarm), aged(alarm))).collect();
+        all.sort_by_key(|(rank, (since, _))| (*rank, std::cmp::Reverse(*since)));
+        all.into_iter().map(|(_, (_, alarm))| alarm).collect()
     }
 }
 
@@ -131,10 +135,13 @@ pub(crate) fn of_line(state: &LineState) -> Vec<LineAlarm> {
     let alarm = |what, priority, text: &str| LineAlarm::new("line", what, priority, text);
     let mut alarms = Vec::new();
     if state.mode == StationState::MODE_ESTOP || state.estop_latched {
-        alarms.push(alarm("emergency stop", AlarmPriority::High, &state.text));
+        alarms.push(alarm(EMERGENCY_STOP, AlarmPriority::High, &state.text));
     }
     if !state.obstacles.is_empty() {
         alarms.push(alarm("obstacles", AlarmPriority::High, &state.obstacles.join("; ")));
+    }
+    if let Some(text) = waits_for_a_person(state) {
+        alarms.push(alarm("stands by", AlarmPriority::Medium, &text));
     }
     if state.console_lost {
         let text = "the devices of the line's console are not operational, or were not received yet";
@@ -145,6 +152,19 @@ pub(crate) fn of_line(state: &LineState) -> Vec<LineAlarm> {
         alarms.push(alarm("left out", AlarmPriority::Low, &text));
     }
     alarms
+}
+
+/// Why a line stands by until a person does something: a station or the coordinator was started anew, memory is lost, something stands
+/// half-way. Acknowledgements that are missing come by themselves, and stations that are left out are an alarm of their own.
+fn waits_for_a_person(state: &LineState) -> Option<String> {
+    if state.mode != StationState::MODE_STANDBY || !state.waiting_for.is_empty() {
+        return None;
+    }
+    let without = format!(", without {}", state.left_out.join(", "));
+    let (_, why) = state.text.split_once([',', ':'])?;
+    let is_new =
+        state.left_out.is_empty() || state.text.strip_suffix(&*without).is_none_or(|rest| rest.contains([',', ':']));
+    is_new.then(|| format!("the line stands by:{why}; the steps back: Waiting, or `linewright recover`"))
 }
 
 /// What the cell reports, the newest first. `now`: the time by the clock of its coordinator, in s since 1970.

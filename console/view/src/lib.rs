@@ -7,6 +7,9 @@
 //!
 //! Texts that the terminal view shows as well are here, once: [`refusal`], [`station_not_received`], [`left_out`], [`NextStep`] and others.
 //!
+//! What operators do comes the other way: [`PageMessage`] reads it, [`ControlDesk`] gives it to one page at a time, [`HoldMachine`] decides
+//! for how long a button is held, and [`why_not`] why one would do nothing now.
+//!
 //! Pure: there is no clock. Times in a page count from the begin of the console, and each frame has the time at which it was made, so
 //! that a reader computes ages and never compares clocks. It knows no sockets, no HTTP, no ROS and not how a page is drawn.
 //!
@@ -30,10 +33,15 @@ mod alarms;
 mod answers;
 mod bounds;
 mod cell;
+mod desk;
 mod frame;
+mod hold;
 mod lanes;
+mod message;
 mod next;
+mod operate;
 mod page;
+mod plan;
 mod texts;
 mod view;
 
@@ -42,10 +50,20 @@ pub use alarms::{AlarmPart, AlarmPriority};
 pub use answers::{AnswerJson, answers, permitted, verdict};
 pub use bounds::{LIST_MAX, TEXT_MAX};
 pub use cell::{CellPart, ShownActivity, ShownOrder, ShownOutage, ShownPart};
+pub use desk::{ConnectionNumber, ControlDesk, ControlPart, DeskEffect, DeskNote, HolderPart, PressPart};
 pub use frame::{PageChange, PageFeed, PageFrame, PageFrameError, PageReader};
+pub use hold::{
+    BEAT_WITHIN, HoldButton, HoldEnd, HoldMachine, HoldMessage, PUBLISH_EVERY, RESUME, SEEN_WITHIN, panel_word,
+};
 pub use lanes::{LANE_WINDOW, LaneRow, LaneStretch, STRETCHES_MAX, StationLanes, StretchKind};
+pub use message::{PAGE_MESSAGE_MAX, PageAct, PageMessage, PageMessageError, PageOperation};
 pub use next::{NextStep, asks_to_confirm};
+pub use operate::{
+    HAND_ONLY, NOTHING_INCOMPLETE, OperateButton, OperatePart, OperateStates, PANEL_ONLY, PanelPart, RESUME_ONLY,
+    stations_of, why_not,
+};
 pub use page::{ConsolePage, CyclePart, ModePart, StationHealth, StationPart};
+pub use plan::{PlanPart, PlanStepPart};
 pub use texts::{
     OWN_EMERGENCY_STOP, ReasonsByResource, SELECTOR_AT_MANUAL, coordinator_not_received, due, is_over, left_out,
     of_order, of_part, refusal, seconds, span, station_not_received, waits,

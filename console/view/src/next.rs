@@ -11,8 +11,6 @@ use linewright_recovery::{RecoveryAction, RecoveryEnd, RecoveryPlan};
 
 /// Begin of a wait that a confirmation ends.
 const REJOIN: &str = "rejoin: ";
-/// In its place where that is not what comes next.
-const NOT_YET: &str = "its position: first see `next`";
 /// While the plan is not known.
 const SEARCHING: &str = "is looked for, by the states that are received";
 
@@ -61,7 +59,10 @@ impl NextStep {
         }
         let mut shown = state.clone();
         let asks = shown.blocked_by.iter_mut().filter(|why| why.starts_with(REJOIN));
-        asks.for_each(|why| NOT_YET.clone_into(why));
+        // In its place, since that is not what comes next.
+        asks.for_each(|why| {
+            *why = format!("the confirmation of its position, which does not come next: {}", self.text)
+        });
         Cow::Owned(shown)
     }
 }

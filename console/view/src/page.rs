@@ -4,7 +4,10 @@ use serde::Serialize;
 
 use crate::alarms::AlarmPart;
 use crate::cell::CellPart;
+use crate::desk::ControlPart;
 use crate::lanes::StationLanes;
+use crate::operate::OperatePart;
+use crate::plan::PlanPart;
 
 /// All that the page shows.
 #[derive(Debug, Serialize)]
@@ -22,12 +25,17 @@ pub struct ConsolePage {
     pub stations: Vec<StationPart>,
     /// In the order of the description.
     pub lanes: Vec<StationLanes>,
-    /// By priority; of one priority those without a time of their own first, then those of the cell.
+    /// By priority; of one priority an emergency stop first, then those without a time of their own, then those of the cell.
     pub alarms: Vec<AlarmPart>,
     /// None of a line, and while the state of the cell is not received.
     pub cell: Option<CellPart>,
     /// That the state of a cell is not received.
     pub cell_unknown: Option<String>,
+    /// What can be commanded, and why the rest cannot.
+    pub operate: OperatePart,
+    /// The steps back to auto; none in auto and at home, and while they are looked for.
+    pub plan: Option<PlanPart>,
+    pub control: ControlPart,
 }
 
 /// The mode and what keeps it.
@@ -49,6 +57,8 @@ pub struct ModePart {
     pub restarted: Vec<String>,
     /// The last refusal with its age.
     pub refusal: Option<String>,
+    /// The command that was refused, in the words in which it was given; empty without a refusal.
+    pub refused: String,
     /// The last cycle of the line; none before the first, and while the coordinator is not received.
     pub cycle: Option<CyclePart>,
 }
@@ -57,7 +67,7 @@ pub struct ModePart {
 #[derive(Debug, Serialize)]
 pub struct CyclePart {
     pub number: i32,
-    /// How long it took, in s.
+    /// How long it took, in s; the time in which the line stood counts.
     pub duration_s: f64,
 }
 
@@ -73,7 +83,8 @@ pub enum StationHealth {
     Fault,
     /// Left out of the mode decision.
     LeftOut,
-    /// Its I/O devices are not received, or its position is not known.
+    /// Its I/O devices are not received, its position is not known, an operation was stopped before its end, or it was restarted and not
+    /// looked at since.
     NotReady,
     /// Its selector stands at manual.
     Manual,

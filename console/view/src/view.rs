@@ -10,9 +10,12 @@ use crate::aged::{Aged, CELL_FRESH, state_fresh};
 use crate::alarms::{AlarmPriority, FirstReceived, LineAlarm, of_cell, of_line};
 use crate::bounds;
 use crate::cell::{CellPart, now_of};
+use crate::desk::ControlPart;
 use crate::lanes::LaneRecorder;
-use crate::next::NextStep;
+use crate::next::{NextStep, asks_to_confirm};
+use crate::operate::{OperatePart, OperateStates};
 use crate::page::{ConsolePage, CyclePart, ModePart, StationHealth, StationPart};
+use crate::plan::PlanPart;
 use crate::texts::{
     OWN_EMERGENCY_STOP, ReasonsByResource, SELECTOR_AT_MANUAL, coordinator_not_received, refusal, station_not_received,
     waits,
@@ -35,6 +38,9 @@ pub struct ConsoleInputs<'s> {
     pub out_of_service: &'s ReasonsByResource,
     /// What runs with another description, and what to do.
     pub other_descriptions: Vec<String>,
+    /// The steps back to auto.
+    pub plan: Option<PlanPart>,
+    pub control: ControlPart,
 }
 
 /// The view of one line.
@@ -59,6 +65,8 @@ impl ConsoleInputs<'_> {
             next: None,
             out_of_service: const { &ReasonsByResource::new() },
             other_descriptions: Vec::new(),
+            plan: None,
+            control: ControlPart::default(),
         }
     }
 }
@@ -97,7 +105,14 @@ impl ConsoleView {
         let mut alarms = self.first.aged(of.now, alarms);
         alarms.extend(cell.into_iter().flat_map(|cell| of_cell(cell.state, now_of(cell))));
         alarms.sort_by_key(|alarm| alarm.priority);
+        let fresh = OperateStates {
+            coordinator: line,
+            stations: of.stations.iter().map(|of| of.and_then(|of| of.fresh(limit))).collect(),
+        };
         ConsolePage {
+            operate: OperatePart::of(&self.line, &fresh, self.mode_name),
+            plan: of.plan.clone(),
+            control: of.control.clone(),
             title: self.line.title.clone(),
             is_cell: self.is_cell,
             mode,
@@ -123,6 +138,7 @@ impl ConsoleView {
                 left_out: Vec::new(),
                 restarted: Vec::new(),
                 refusal: None,
+                refused: String::new(),
                 cycle: None,
             };
         };
@@ -135,6 +151,7 @@ impl ConsoleView {
             left_out: bounds::texts(&*state.left_out),
             restarted: bounds::texts(&*state.restarted),
             refusal: refusal(state).map(|text| bounds::text(&text)),
+            refused: bounds::text(&state.refused),
             cycle: of.cycle.map(|of| CyclePart { number: of.number, duration_s: of.duration_s }),
         }
     }
@@ -169,7 +186,10 @@ impl ConsoleView {
             () if is_stopped => StationHealth::EmergencyStop,
             () if !state.fault.is_empty() => StationHealth::Fault,
             () if is_left_out => StationHealth::LeftOut,
-            () if !state.devices_valid || state.position_lost => StationHealth::NotReady,
+            () if !state.devices_valid || state.position_lost || asks_to_confirm(state) => StationHealth::NotReady,
+            () if !state.incomplete.is_empty() || line.is_some_and(|line| line.restarted.contains(&name)) => {
+                StationHealth::NotReady
+            }
             () if state.selector_manual => StationHealth::Manual,
             () => StationHealth::Ok,
         };

@@ -3,7 +3,9 @@
 mod answers;
 mod bench;
 mod cell;
+mod desk;
 mod frames;
 mod lanes;
 mod next;
+mod operate;
 mod page;

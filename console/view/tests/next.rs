@@ -25,15 +25,16 @@ fn a_confirmation_is_offered_where_it_comes_next_and_nowhere_else() {
         after: None,
     };
     let plan = RecoveryPlan::ends;
-    let not_yet = "its position: first see `next`";
+    let not_yet =
+        |next: &NextStep| vec![format!("the confirmation of its position, which does not come next: {}", next.text())];
     let asks = StationState { blocked_by: vec!["rejoin: confirm it".to_owned()], ..StationState::default() };
     let waits = |next: &NextStep, id| next.shown(id, &asks).blocked_by.to_vec();
     let next = NextStep::of(&line, &plan(vec![confirm.clone()], RecoveryEnd::Auto)).expect("a step");
-    assert_eq!((waits(&next, first), waits(&next, second)), (vec![not_yet.to_owned()], asks.blocked_by.to_vec()));
+    assert_eq!((waits(&next, first), waits(&next, second)), (not_yet(&next), asks.blocked_by.to_vec()));
     assert!(next.line().starts_with(&format!("next: {}: look, and if", line.station(second).name)));
     let no_way = RecoveryEnd::NoWay { reasons: Vec::new(), is_certain: true };
     let next = NextStep::of(&line, &plan(vec![confirm], no_way)).expect("what is done by hand");
-    assert_eq!((waits(&next, first), waits(&next, second)), (vec![not_yet.to_owned()], vec![not_yet.to_owned()]));
+    assert_eq!((waits(&next, first), waits(&next, second)), (not_yet(&next), not_yet(&next)));
     assert!(next.line().contains("bring every station home by hand"), "{}", next.line());
     assert!(NextStep::of(&line, &plan(Vec::new(), RecoveryEnd::Auto)).is_none());
 }

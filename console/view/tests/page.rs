@@ -135,3 +135,45 @@ fn a_page_is_bounded_whatever_a_node_sends() {
     assert!(page.alarms.iter().all(|alarm| alarm.text.chars().count() <= TEXT_MAX));
     assert_eq!(page.mode.text.chars().count(), TEXT_MAX);
 }
+
+#[test]
+fn a_line_that_stands_by_until_a_person_does_something_is_an_alarm_with_what_to_do() {
+    let mut bench = ViewBench::received(0);
+    let mut shown = |text: &str, change: fn(&mut LineState)| {
+        let mut line = LineState { mode: StationState::MODE_STANDBY, text: text.to_owned(), ..LineState::default() };
+        change(&mut line);
+        bench.coordinator = Some((line, 0));
+        bench.page(1).alarms.into_iter().map(|of| of.text).collect::<Vec<_>>()
+    };
+    assert!(shown("stand-by", |_| {}).is_empty());
+    let waiting = |of: &mut LineState| of.waiting_for = vec!["mill_1".to_owned()];
+    assert!(shown("stand-by, waiting for mill_1", waiting).is_empty(), "that comes by itself");
+    let without = |of: &mut LineState| of.left_out = vec!["mill_1".to_owned()];
+    assert_eq!(shown("stand-by, without mill_1", without), ["left out of the mode decision: mill_1"]);
+    for text in
+        ["stand-by: mill_1: restarted; give start", "stand-by, coordinator started with stations away from home"]
+    {
+        let of = shown(text, |_| {});
+        let why = text.trim_start_matches("stand-by").trim_start_matches([',', ':']);
+        assert_eq!(of, [format!("the line stands by:{why}; the steps back: Waiting, or `linewright recover`")]);
+    }
+    assert_eq!(shown("stand-by, without mill_1: clamp_1: restarted; give start", without).len(), 2);
+    // Nor is such a station ready.
+    let mut bench = ViewBench::received(0);
+    let name = bench.line.stations[0].name.clone();
+    bench.coordinator.as_mut().expect("received").0.restarted = vec![name];
+    bench.stations[1].as_mut().expect("received").0.incomplete = vec![0];
+    bench.stations[2].as_mut().expect("received").0.blocked_by = vec!["rejoin: confirm it".to_owned()];
+    assert!(bench.page(1).stations.iter().all(|of| of.health == StationHealth::NotReady));
+}
+
+#[test]
+fn an_emergency_stop_stands_above_newer_alarms_of_its_priority() {
+    let mut bench = ViewBench::received(0);
+    let line = &mut bench.coordinator.as_mut().expect("received").0;
+    (line.mode, line.text) = (StationState::MODE_ESTOP, "emergency stop".to_owned());
+    bench.page(0);
+    bench.stations[1].as_mut().expect("received").0.fault = "watchdog".to_owned();
+    let texts: Vec<String> = bench.page(60).alarms.into_iter().map(|of| of.text).collect();
+    assert_eq!(texts, ["emergency stop", "watchdog"]);
+}

@@ -208,6 +208,8 @@ const MAY_USE: [(&str, &[&str]); 41] = [
             "linewright-line",
             // Which wait of a station is no obstacle.
             "linewright-station-logic",
+            // The commands.
+            "linewright-coordinator-logic",
             // Answers to an alarm, as operators read them.
             "linewright-coordinator-cell",
             "linewright-msgs",

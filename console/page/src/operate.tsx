@@ -1,0 +1,187 @@
+// Control and commands. Whether something may be given is decided by the console and by the coordinator; the page shows why not.
+
+import { signal } from "@preact/signals";
+import { connection, lost_for, operate } from "./feed";
+import { ended, held, holds } from "./hold";
+import type { Act, OperateButton, Page } from "./model";
+import { HealthSign, List } from "./parts";
+import { command_labels, t } from "./texts";
+
+/** The button whose refusal was asked for by a click. */
+const asked = signal<{ key: string; why: string } | null>(null);
+const name = signal("");
+
+export function has_control(page: Page): boolean {
+  return page.control.holder !== null && page.control.holder.connection === connection.value;
+}
+
+const is_stop = (act: Act) => "command" in act && act.command.word === "estop";
+
+/** Why a button would do nothing now. The stop is given whatever the page shows. */
+function why_not(page: Page, button: OperateButton): string | null {
+  if (lost_for.value !== null && !is_stop(button.act)) return t.not_live;
+  return has_control(page) ? button.why_not : t.no_control;
+}
+
+/** What stands at a button: why it did nothing, or why it was released. */
+function remark(page: Page, button: OperateButton): string | null {
+  const { note } = page.control;
+  if (ended.value?.key === button.key) return ended.value.why;
+  if (note !== null && note.connection === connection.value && note.key === button.key) return note.text;
+  const word = "command" in button.act ? [button.act.command.word, button.act.command.station].filter(Boolean).join(" ") : null;
+  if (word !== null && word === page.mode.refused) return page.mode.refusal;
+  if (asked.value?.key === button.key && asked.value.why === why_not(page, button)) return asked.value.why;
+  return null;
+}
+
+/** A button for an act, with what is to be known of it. */
+function ActButton({ page, button }: { page: Page; button: OperateButton }) {
+  const why = why_not(page, button);
+  const refuse = () => (asked.value = why === null ? null : { key: button.key, why });
+  const is_hold = "press" in button.act;
+  const handlers = is_hold
+    ? holds(button.key, button.act, why === null, refuse)
+    : {
+        onClick: () => {
+          refuse();
+          ended.value = null;
+          if (why === null) operate(button.act);
+        },
+      };
+  const label = "command" in button.act && button.act.command.station === undefined ? (command_labels[button.label] ?? button.label) : button.label;
+  const is_held = held.value === button.key;
+  return (
+    <button
+      type="button"
+      class={`${is_hold ? "hold" : ""} ${is_stop(button.act) ? "stop" : ""} ${is_held ? "is-held" : ""}`}
+      aria-disabled={why !== null}
+      aria-pressed={is_hold ? is_held : undefined}
+      data-key={button.key}
+      {...handlers}
+    >
+      {label}
+      {is_hold && <small>{is_held ? t.is_held : t.hold_it}</small>}
+    </button>
+  );
+}
+
+/** Buttons with what is to be known of the one that did nothing. Its room is there without a text as well: no button moves under a finger. */
+function Acts({ page, of }: { page: Page; of: OperateButton[] }) {
+  const remarked = of.map((button) => [button.label, remark(page, button)] as const).find(([, text]) => text !== null);
+  return (
+    <>
+      <div class="acts">
+        {of.map((button) => (
+          <ActButton page={page} button={button} key={button.key} />
+        ))}
+      </div>
+      <p class="remark" role="status">
+        {remarked && `${remarked[0]}: ${remarked[1]}`}
+      </p>
+    </>
+  );
+}
+
+/** Who has control; on every page. */
+export function Control({ page }: { page: Page }) {
+  const { holder, press, note } = page.control;
+  const is_own = has_control(page);
+  const refused = note !== null && note.connection === connection.value && note.key === "control" ? note.text : null;
+  return (
+    <div class={is_own ? "control own" : "control"} id="control">
+      <span class="value">
+        {holder === null ? t.control_none : is_own ? t.control_own(holder.since) : t.control_other(holder.name, holder.since)}
+        {press !== null && ` · ${t.pressed(press.button)}`}
+      </span>
+      {!is_own && (
+        <input
+          aria-label={t.your_name}
+          placeholder={t.your_name}
+          maxLength={40}
+          value={name.value}
+          onInput={(event) => (name.value = (event.target as HTMLInputElement).value)}
+        />
+      )}
+      <button type="button" data-key="control" onClick={() => operate(is_own ? { give_up: {} } : { take: { name: name.value } })}>
+        {is_own ? t.give_up : holder === null ? t.take : t.take_over}
+      </button>
+      {refused !== null && (
+        <span class="remark" role="status">
+          {refused}
+        </span>
+      )}
+    </div>
+  );
+}
+
+function Plan({ page }: { page: Page }) {
+  const plan = page.plan;
+  if (plan === null) return null;
+  return (
+    <section class="plan">
+      <h2>{t.plan}</h2>
+      <List of={plan.begin} />
+      <ol>
+        {plan.steps.map((step, at) => (
+          <li key={at} class={at === plan.next ? "value next" : "value"} aria-current={at === plan.next ? "step" : undefined}>
+            {step.text}
+            {step.since !== null && <p>{t.since(step.since)}</p>}
+            <List of={step.stands.map(t.stands)} />
+          </li>
+        ))}
+      </ol>
+      {plan.button !== null && (
+        <>
+          <h3>{t.next}</h3>
+          <Acts page={page} of={[with_reason(page, plan.button)]} />
+        </>
+      )}
+      <List of={plan.end} />
+    </section>
+  );
+}
+
+/** The button of a step, with the reason that the same button has among the others, and a key of its own. */
+function with_reason(page: Page, button: OperateButton): OperateButton {
+  const { commands, hand, resume, panels } = page.operate;
+  const all = [...commands, ...hand, resume, ...panels.flatMap((panel) => [...panel.holds, ...panel.selects])];
+  const same = all.find((of) => of.key === button.key);
+  return same === undefined ? button : { ...button, why_not: same.why_not };
+}
+
+export function Operate({ page }: { page: Page }) {
+  const { commands, hand, resume, panels } = page.operate;
+  return (
+    <>
+      <p class={page.mode.is_known ? "value text fixed" : "value text fixed is-unknown"}>{page.mode.text}</p>
+      <Acts page={page} of={commands} />
+      <Plan page={page} />
+      <section>
+        <h2>{t.console_buttons}</h2>
+        <Acts page={page} of={[...hand, resume]} />
+      </section>
+      {panels.map((panel, at) => {
+        const station = page.stations[at];
+        return (
+          <section key={panel.station}>
+            <h2>
+              {panel.station} {station && <HealthSign of={station.health} />}
+            </h2>
+            <Acts page={page} of={[...panel.holds, ...panel.selects]} />
+            <div class="fixed">
+              {station && <p class={station.moves ? "value moves" : "value"}>{station.unknown ?? station.operation}</p>}
+              {station?.fault && <p class="value fault-text">{station.fault}</p>}
+              <p class="value">{panel.is_manual === null ? t.selector_unknown : t.selector(panel.is_manual)}</p>
+              {station && station.waits_for.length > 0 && (
+                <>
+                  <p>{t.waits_for}:</p>
+                  <List of={station.waits_for} />
+                </>
+              )}
+            </div>
+          </section>
+        );
+      })}
+    </>
+  );
+}

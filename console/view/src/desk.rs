@@ -1,0 +1,372 @@
+//! Control of a line by one page at a time, and what is given from there.
+//!
+//! One connection has control, from its taking until it gives it up, ends, or another one takes it. Only that one commands, and only while
+//! what it shows is at most [`SEEN_WITHIN`] old; *estop* is given whatever the page shows. What is not given is answered with the reason,
+//! and is never given later. Whatever is done beside a button that is held ends that press.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use linewright_coordinator_logic::ModeCommand;
+use linewright_line::{Line, StationId};
+use serde::Serialize;
+
+use crate::bounds;
+use crate::hold::{HoldButton, HoldEnd, HoldMachine, HoldMessage, SEEN_WITHIN};
+use crate::lanes::ms;
+use crate::message::{PageAct, PageOperation};
+use crate::texts::span;
+
+/// Most characters of an operator's name.
+const NAME_MAX: usize = 40;
+
+/// Number of a connection, that of no other one of this console.
+pub type ConnectionNumber = u64;
+
+/// What a desk has to be done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DeskEffect {
+    /// A command to the coordinator, in its words.
+    Command(String),
+    /// A station's selector: true is manual.
+    Select(StationId, bool),
+    /// To be logged.
+    Log(String),
+}
+
+/// Control, as a page shows it.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ControlPart {
+    /// None: nobody has it, and nothing can be commanded.
+    pub holder: Option<HolderPart>,
+    /// The press that is held now.
+    pub press: Option<PressPart>,
+    /// The last thing that was not given, or has ended by itself.
+    pub note: Option<DeskNote>,
+}
+
+/// The connection that has control.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct HolderPart {
+    pub connection: ConnectionNumber,
+    /// Its address, with the name of its operator where one was given.
+    pub name: String,
+    /// For how long.
+    pub since: String,
+}
+
+/// A press that is held.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PressPart {
+    pub number: u64,
+    /// Name of the button.
+    pub button: String,
+}
+
+/// Why something was not given, or has ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct DeskNote {
+    pub connection: ConnectionNumber,
+    /// That of the button (see [`PageAct::key`]).
+    pub key: String,
+    /// Number of the press that it is about.
+    pub press: Option<u64>,
+    pub text: String,
+}
+
+#[derive(Debug)]
+struct OpenPage {
+    address: String,
+    /// The highest number of a press. None below it begins anything any more.
+    last_press: u64,
+}
+
+#[derive(Debug)]
+struct ControlHolder {
+    connection: ConnectionNumber,
+    name: String,
+    since: Duration,
+}
+
+/// Who has control, and what is held.
+#[derive(Debug)]
+pub struct ControlDesk {
+    line: Line,
+    open: BTreeMap<ConnectionNumber, OpenPage>,
+    holder: Option<ControlHolder>,
+    hold: HoldMachine,
+    /// The key of the button that is held, or was last.
+    key: String,
+    note: Option<DeskNote>,
+}
+
+impl ControlDesk {
+    /// Nobody has control.
+    pub fn new(line: &Line) -> Self {
+        ControlDesk {
+            line: line.clone(),
+            open: BTreeMap::new(),
+            holder: None,
+            hold: HoldMachine::default(),
+            key: String::new(),
+            note: None,
+        }
+    }
+
+    /// A page has connected, from this address.
+    pub fn opened(&mut self, connection: ConnectionNumber, address: &str) {
+        self.open.insert(connection, OpenPage { address: address.to_owned(), last_press: 0 });
+    }
+
+    /// A connection has ended, and with it its control.
+    pub fn closed(&mut self, now: Duration, connection: ConnectionNumber) -> Vec<DeskEffect> {
+        let mut effects = Vec::new();
+        if self.has_control(connection) {
+            self.end(now, HoldEnd::NoControl, &mut effects);
+            effects.extend(self.holder.take().map(|of| DeskEffect::Log(format!("control ended with {}", of.name))));
+        }
+        self.open.remove(&connection);
+        if self.note.as_ref().is_some_and(|note| note.connection == connection) {
+            self.note = None;
+        }
+        effects
+    }
+
+    /// Takes what is done at a page. `why_not`: why an act is not possible now; none where it is.
+    pub fn take(
+        &mut self,
+        now: Duration,
+        connection: ConnectionNumber,
+        operation: &PageOperation,
+        why_not: impl Fn(&PageAct) -> Option<String>,
+    ) -> Vec<DeskEffect> {
+        let mut effects = Vec::new();
+        let Some(page) = self.open.get(&connection) else { return effects };
+        let act = &operation.act;
+        if let PageAct::Take { name } = act {
+            let name = named(&page.address, name);
+            match behind(now, operation) {
+                Some(age) => self.refuse(connection, act, too_old(age)),
+                None => self.take_control(now, connection, name, &mut effects),
+            }
+            return effects;
+        }
+        if !self.has_control(connection) {
+            if !matches!(act, PageAct::Beat { .. } | PageAct::Release { .. }) {
+                self.refuse(connection, act, "not given: this page has no control; take it first".to_owned());
+            }
+            return effects;
+        }
+        if let PageAct::Beat { number } = act {
+            self.beat(now, *number, behind(now, operation), why_not, &mut effects);
+            return effects;
+        }
+        let is_own_release =
+            matches!((act, self.hold.live()), (PageAct::Release { number }, Some((live, _))) if *number == live);
+        let end = if is_own_release { HoldEnd::Released } else { HoldEnd::Another };
+        let was_held = self.hold.live().is_some();
+        self.end(now, end, &mut effects);
+        if matches!(act, PageAct::Release { .. }) {
+            return effects;
+        }
+        if let PageAct::GiveUp {} = act {
+            effects.extend(self.holder.take().map(|of| DeskEffect::Log(format!("control given up by {}", of.name))));
+            return effects;
+        }
+        let is_stop = matches!(act, PageAct::Command { word, station: None } if ModeCommand::parse(word) == Some(ModeCommand::EStop));
+        let late = behind(now, operation).filter(|_| !is_stop).map(too_old);
+        if let Some(why) = late.or_else(|| why_not(act)) {
+            if let PageAct::Press { number, .. } = act {
+                self.number_is_new(connection, *number);
+            }
+            self.refuse(connection, act, why);
+            return effects;
+        }
+        self.give(now, connection, act, was_held, &mut effects);
+        effects
+    }
+
+    fn give(
+        &mut self,
+        now: Duration,
+        connection: ConnectionNumber,
+        act: &PageAct,
+        was_held: bool,
+        effects: &mut Vec<DeskEffect>,
+    ) {
+        self.note = None;
+        let by = self.holder.as_ref().map_or_else(String::new, |of| of.name.clone());
+        match act {
+            PageAct::Command { word, station } => {
+                let known = ModeCommand::parse(word);
+                let is_known = station.as_ref().is_none_or(|name| self.line.station_named(name).is_some());
+                let Some(command) = known.filter(|_| is_known) else {
+                    return self.refuse(connection, act, "not given: no such command".to_owned());
+                };
+                let of = station.as_ref().map_or_else(String::new, |name| format!(" {name}"));
+                effects.push(DeskEffect::Log(format!("{}{of} commanded by {by}", command.name())));
+                effects.push(DeskEffect::Command(format!("{}{of}", command.name())));
+            }
+            PageAct::Select { station, manual } => {
+                let Some(id) = self.line.station_named(station) else {
+                    return self.refuse(connection, act, "not given: no such station".to_owned());
+                };
+                let to = if *manual { "manual" } else { "auto" };
+                effects.push(DeskEffect::Log(format!("selector of {station} turned to {to} by {by}")));
+                effects.push(DeskEffect::Select(id, *manual));
+            }
+            PageAct::Press { number, station, button } => {
+                let is_new = self.number_is_new(connection, *number);
+                let Some(button) = HoldButton::named(&self.line, station.as_deref(), button) else {
+                    return self.refuse(connection, act, "not held: no such button".to_owned());
+                };
+                if was_held || !is_new {
+                    return self.refuse(connection, act, HoldEnd::Another.text().unwrap_or_default());
+                }
+                self.key = act.key().unwrap_or_default();
+                self.hold.press(now, *number, button);
+                effects.push(DeskEffect::Log(format!("{} held by {by}", button.name(&self.line))));
+            }
+            PageAct::Take { .. } | PageAct::GiveUp {} | PageAct::Beat { .. } | PageAct::Release { .. } => {}
+        }
+    }
+
+    fn beat(
+        &mut self,
+        now: Duration,
+        number: u64,
+        behind: Option<Duration>,
+        why_not: impl Fn(&PageAct) -> Option<String>,
+        effects: &mut Vec<DeskEffect>,
+    ) {
+        let Some((live, button)) = self.hold.live() else { return };
+        let end = if let Some(age) = behind {
+            Some(HoldEnd::Behind(age))
+        } else if number != live {
+            Some(HoldEnd::Another)
+        } else {
+            why_not(&act_of(&self.line, button)).map(HoldEnd::NotAllowed)
+        };
+        match end {
+            Some(end) => self.end(now, end, effects),
+            None => {
+                let end = self.hold.beat(now, number);
+                effects.extend(end.and_then(|end| self.ended(live, button, &end)));
+            }
+        }
+    }
+
+    /// Messages of held buttons that are to be published now. `why_not` as for [`ControlDesk::take`].
+    pub fn due(
+        &mut self,
+        now: Duration,
+        why_not: impl Fn(&PageAct) -> Option<String>,
+    ) -> (Vec<HoldMessage>, Vec<DeskEffect>) {
+        let mut effects = Vec::new();
+        let live = self.hold.live();
+        if let Some(why) = live.and_then(|(_, button)| why_not(&act_of(&self.line, button))) {
+            self.end(now, HoldEnd::NotAllowed(why), &mut effects);
+        }
+        let (messages, end) = self.hold.due(now);
+        if let (Some(end), Some((number, button))) = (end, live) {
+            effects.extend(self.ended(number, button, &end));
+        }
+        (messages, effects)
+    }
+
+    /// Control as it is at this time.
+    pub fn part(&self, now: Duration) -> ControlPart {
+        ControlPart {
+            holder: self.holder.as_ref().map(|of| HolderPart {
+                connection: of.connection,
+                name: of.name.clone(),
+                since: span(now.saturating_sub(of.since).as_secs_f64()),
+            }),
+            press: self.hold.live().map(|(number, button)| PressPart { number, button: button.name(&self.line) }),
+            note: self.note.clone(),
+        }
+    }
+
+    /// Whether this connection has control.
+    pub fn has_control(&self, connection: ConnectionNumber) -> bool {
+        self.holder.as_ref().is_some_and(|of| of.connection == connection)
+    }
+
+    fn take_control(
+        &mut self,
+        now: Duration,
+        connection: ConnectionNumber,
+        name: String,
+        effects: &mut Vec<DeskEffect>,
+    ) {
+        self.end(now, HoldEnd::NoControl, effects);
+        let from = self.holder.as_ref().filter(|of| of.connection != connection);
+        let from = from.map_or_else(String::new, |of| format!(" from {}", of.name));
+        effects.push(DeskEffect::Log(format!("control taken{from} by {name}")));
+        if self.note.as_ref().is_some_and(|note| note.connection == connection) {
+            self.note = None;
+        }
+        self.holder = Some(ControlHolder { connection, name, since: now });
+    }
+
+    /// Whether a press has a number above all before of its connection. It is used with this.
+    fn number_is_new(&mut self, connection: ConnectionNumber, number: u64) -> bool {
+        let Some(page) = self.open.get_mut(&connection) else { return false };
+        let is_new = number > page.last_press;
+        page.last_press = page.last_press.max(number);
+        is_new
+    }
+
+    fn end(&mut self, now: Duration, end: HoldEnd, effects: &mut Vec<DeskEffect>) {
+        if let Some((number, button)) = self.hold.live() {
+            self.hold.end(now);
+            effects.extend(self.ended(number, button, &end));
+        }
+    }
+
+    /// Notes the end of a press.
+    fn ended(&mut self, number: u64, button: HoldButton, end: &HoldEnd) -> Option<DeskEffect> {
+        let name = button.name(&self.line);
+        let text = end.text();
+        let log = DeskEffect::Log(format!("{name} {}", text.as_deref().unwrap_or("released")));
+        let connection = self.holder.as_ref()?.connection;
+        self.note = text.map(|text| DeskNote { connection, key: self.key.clone(), press: Some(number), text });
+        Some(log)
+    }
+
+    fn refuse(&mut self, connection: ConnectionNumber, act: &PageAct, text: String) {
+        let press = match act {
+            PageAct::Press { number, .. } => Some(*number),
+            _ => None,
+        };
+        let key = bounds::text(&act.key().unwrap_or_default());
+        self.note = Some(DeskNote { connection, key, press, text });
+    }
+}
+
+/// The age of what a page showed, where it is too old, or of another console.
+fn behind(now: Duration, operation: &PageOperation) -> Option<Duration> {
+    let age = ms(now).checked_sub(operation.seen_ms).map_or(Duration::MAX, Duration::from_millis);
+    (age > SEEN_WITHIN).then_some(age)
+}
+
+fn too_old(age: Duration) -> String {
+    match age {
+        Duration::MAX => "not given: the page shows what another console has sent; load it again".to_owned(),
+        age => format!("not given: the page showed what was {} ms old; look, then give it again", age.as_millis()),
+    }
+}
+
+/// An address, with the name that was given.
+fn named(address: &str, name: &str) -> String {
+    let name: String = name.trim().chars().filter(|of| !of.is_control()).take(NAME_MAX).collect();
+    if name.is_empty() { address.to_owned() } else { format!("{name} ({address})") }
+}
+
+fn act_of(line: &Line, button: HoldButton) -> PageAct {
+    let (station, button) = match button {
+        HoldButton::Hand(_) | HoldButton::Resume => (None, button.name(line)),
+        HoldButton::Panel(id, side) => (Some(line.station(id).name.clone()), crate::hold::panel_word(side).to_owned()),
+    };
+    PageAct::Press { number: 0, station, button }
+}
