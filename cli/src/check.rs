@@ -8,11 +8,13 @@
 mod barriers;
 mod cell;
 mod explored;
+mod explorer;
 mod in_parts;
 mod larger;
+mod options;
+mod progress;
 mod report;
 mod show;
-mod slow;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -22,6 +24,7 @@ use linewright_proof::structure::{StructureReport, judge_line, judge_stations};
 use miette::{IntoDiagnostic, miette};
 
 use crate::load;
+use explorer::Explorer;
 use report::CheckReport;
 
 /// Check a description: text, structure, everything its controllers can do together; and of a cell, whether parts get
@@ -34,7 +37,7 @@ pub struct Args {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    options: explored::ExploreOptions,
+    options: options::ExploreOptions,
 }
 
 /// `linewright check`
@@ -43,23 +46,38 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let nothing_of = |asked: Option<&'static str>, what: &str| {
         asked.map_or(Ok(()), |asked| Err(miette!("`{asked}` needs {what}; {} has none", args.line.display())))
     };
-    let slow = slow::SlowCheck::begin();
-    let (mut report, line) = match &files.line {
+    let slow = progress::SlowCheck::begin();
+    let explorer = Explorer { options: &args.options, progress: &slow.progress };
+    let (mut report, line, arrow_lines) = match &files.line {
         Some(file) => of_line(args, file, files.cell.as_deref())?,
         None => {
             nothing_of(args.options.of_stations(), "the stations of a line")?;
-            (CheckReport::of_no_line(), None)
+            (CheckReport::of_no_line(), None, Vec::new())
         }
     };
-    match &files.cell {
-        Some(file) => report.add(cell::judge(file, line.as_ref(), &args.options, args.json)?),
-        None => nothing_of(args.options.of_cells(), "a cell")?,
+    let cell = match &files.cell {
+        Some(file) => Some(cell::read(file, line.as_ref(), args.json)?),
+        None => nothing_of(args.options.of_cells(), "a cell").map(|()| None)?,
+    };
+    // Without the cell beside it the line is not judged; what needs no exploration is shown before that begins.
+    let line_judged = files.line.as_ref().zip(line.as_ref()).filter(|_| !matches!(cell, Some(Err(_))));
+    if let Some((file, line)) = line_judged {
+        report.add_structure(line, &load::file_of(file), &arrow_lines);
+        if !args.json {
+            crate::out::say!("{}", show::structure(&report).trim_end());
+        }
+        report.add_explored(line, &explorer).into_diagnostic()?;
+    }
+    if let Some(cell) = cell {
+        report.add(cell.map_or_else(Ok, |parsed| cell::judge(&parsed, line.as_ref(), &explorer))?);
     }
     drop(slow);
     if args.json {
         crate::out::json(&report)?;
     } else {
-        crate::out::say!("{}", show::text(&report).trim_end().trim_start_matches('\n'));
+        let rest = show::explored(&report);
+        let rest = if line_judged.is_some() { &rest } else { rest.trim_start_matches('\n') };
+        crate::out::say!("{}", rest.trim_end());
     }
     Ok(if report.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
@@ -75,9 +93,9 @@ pub fn refusals(line: &Line) -> impl Iterator<Item = String> {
     judge_stations(line).into_iter().filter_map(of_station).chain(of_line)
 }
 
-/// Report on the line, and the line itself if there is one. With a cell beside it, the cell is checked even if the line
-/// could not be parsed; errors in the text of the cell come first, and the line is judged when there are none.
-fn of_line(args: &Args, file: &Path, cell: Option<&Path>) -> miette::Result<(CheckReport, Option<Line>)> {
+/// Report on the text of the line, and the line itself if there is one, with the lines of its arrows; warnings are drawn. With a cell beside it, the cell is
+/// checked even if the line could not be parsed.
+fn of_line(args: &Args, file: &Path, cell: Option<&Path>) -> miette::Result<(CheckReport, Option<Line>, Vec<usize>)> {
     let read = load::parsed(file).and_then(|mut parsed| {
         // Devices' own files do not concern the controllers, but a line with a wrong one is not right.
         load::with_device_files(&mut parsed.line, file, args.json)?;
@@ -85,14 +103,11 @@ fn of_line(args: &Args, file: &Path, cell: Option<&Path>) -> miette::Result<(Che
     });
     match read {
         Ok(parsed) => {
-            let report = match cell.map(|cell| load::cell(cell, Some(&parsed.line))) {
-                Some(Err(_)) => CheckReport::unjudged(&parsed),
-                Some(Ok(_)) | None => report::judge(&parsed, &args.options).into_diagnostic()?,
-            };
+            let report = CheckReport::unjudged(&parsed);
             if !args.json {
                 draw_warnings(file, parsed.warnings)?;
             }
-            Ok((report, Some(parsed.line)))
+            Ok((report, Some(parsed.line), parsed.arrow_lines))
         }
         Err(error) if args.json || cell.is_some() => {
             if !args.json {
@@ -102,7 +117,7 @@ fn of_line(args: &Args, file: &Path, cell: Option<&Path>) -> miette::Result<(Che
                 Some(problems) => CheckReport::of_problems(problems),
                 None => CheckReport::unreadable(format!("{error:#}")),
             };
-            Ok((report, None))
+            Ok((report, None, Vec::new()))
         }
         Err(error) => Err(error),
     }

@@ -1,10 +1,12 @@
 //! `linewright check` and `linewright new`, as a user meets them: the built command, its output and its exit code.
 
 use std::path::Path;
+use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
 use crate::support::command::{Scratch, into_full_disk, json, linewright, shipped, text, unread};
+use crate::support::turn::beside_no_rig;
 
 #[test]
 fn the_shipped_line_passes_every_check() {
@@ -63,12 +65,47 @@ fn the_table_names_every_station_and_what_is_not_decided() {
         "✓ operation causality",
         "not decided here:",
         "without --structure",
-        "checks hold",
+        "checks hold; by structure alone: nothing was explored",
     ] {
         assert!(out.contains(part), "no '{part}' in:\n{out}");
     }
     assert!(!out.contains('✗'), "{out}");
     assert!(output.stderr.is_empty(), "no warnings: {output:?}");
+}
+
+/// The shipped line is explored for far longer than its structure takes.
+#[test]
+fn what_needs_no_exploration_is_printed_before_it() {
+    use std::io::{BufRead, BufReader};
+    let _no_rig = beside_no_rig();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
+    let command = command.args(["check", shipped().to_str().unwrap()]);
+    let mut check = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("the command starts");
+    let mut lines = BufReader::new(check.stdout.take().expect("a pipe")).lines().map(|line| line.expect("text"));
+    let found = lines.by_ref().find(|line| line.starts_with("✓ separated: the tool of mill 1"));
+    let goes_on = check.try_wait().expect("it is our child").is_none();
+    check.kill().and_then(|()| check.wait()).expect("it is our child");
+    assert!(found.is_some() && goes_on, "{found:?}");
+    assert!(!lines.any(|line| line.contains("the whole line")), "it was explored by then");
+}
+
+#[test]
+fn an_arrow_that_is_the_wrong_way_round_is_named_with_its_line() {
+    let scratch = Scratch::new();
+    let file = scratch.changed(
+        "from = \"mill_1: reset main slide\"\nto = \"clamp_1: return clamp\"",
+        "from = \"clamp_1: return clamp\"\nto = \"mill_1: reset main slide\"",
+    );
+    let output = linewright(&["check", &file, "--structure", "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let found = json(&output);
+    let failed = found["line_checks"].as_array().unwrap().iter().find(|check| check["ok"] == false).unwrap();
+    let reason = failed["reason"].as_str().unwrap();
+    assert!(reason.contains("may be the wrong way round"), "{reason}");
+    // Of the arrow the header, which stands before `from` and `to`.
+    let text = scratch.read("line.toml");
+    let to = text.lines().position(|line| line == "to = \"mill_1: reset main slide\"").unwrap();
+    assert!(reason.ends_with(&format!("({file}:{})", to - 1)), "{reason}");
 }
 
 #[test]
@@ -233,6 +270,17 @@ fn a_conflict_that_a_part_meets_is_looked_at_with_the_stations_between() {
     let out = text(&output.stdout);
     assert!(output.status.success(), "{output:?}");
     assert!(out.contains("✓ never: s2 is in the way: in the larger part of s0, s1, s2"), "{out}");
+    // What is left open is in the last line as well, and stations that arrows join are the first without a conflict.
+    assert!(
+        out.ends_with(
+            " checks hold, 6 warnings; by parts: conflicts and each station are decided, the whole line is left open\n"
+        ),
+        "{out}"
+    );
+    assert!(
+        out.contains("no [[conflict]], joined by arrows: s0 and s1, s0 and s3, s1 and s2; others: s1 and s3,"),
+        "{out}"
+    );
     // Without the rule of the second one they meet there, too.
     let broken = include_str!("../../proof/tests/row.toml").replace("from = \"s1: back\"", "from = \"s1: forth\"");
     let broken =

@@ -88,7 +88,7 @@ pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         None | Some(OrderOperation::List) => say!("{}", list(state)),
         Some(OrderOperation::Submit(submit)) => {
             let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-            let name = submit.name.clone().unwrap_or_else(|| format!("{} {}", submit.product, wall.as_secs()));
+            let name = submit.name.clone().unwrap_or_else(|| usual_name(&submit.product, wall));
             let mut wanted = request(&name, &submit.product, submit.quantity);
             wanted.release = moment(wall, submit.release, "--release")?;
             wanted.due = moment(wall, submit.due, "--due")?;
@@ -108,6 +108,11 @@ pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Name of an order that is given none: the part type and the time, to the millisecond, so that two in a second have two names.
+fn usual_name(product: &str, wall: Duration) -> String {
+    format!("{product} {}.{:03}", wall.as_secs(), wall.subsec_millis())
 }
 
 /// Prints what was done, as text or as JSON.
@@ -443,6 +448,15 @@ mod tests {
             assert_eq!(now.id, 16);
         }
         assert_eq!(found(&[], &["M2", "lathe"]), Some(Compared::Taken { left_out: vec!["lathe".to_owned()] }));
+    }
+
+    #[test]
+    fn two_orders_of_one_second_have_two_usual_names() {
+        let at = |millis| usual_name("A", Duration::from_millis(millis));
+        assert_eq!(
+            (at(1_700_000_000_007), at(1_700_000_000_008)),
+            ("A 1700000000.007".into(), "A 1700000000.008".into())
+        );
     }
 
     #[test]

@@ -3,10 +3,10 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use linewright_cell::Cell;
 use linewright_cell::net::Detail;
+use linewright_cell::{Cell, ParsedCell};
 use linewright_line::{Line, Problems};
-use linewright_proof::cell::protocol::{ProtocolSetting, check_protocol, properties};
+use linewright_proof::cell::protocol::{ProtocolSetting, check_protocol_watched, properties};
 use linewright_proof::cell::recovery::check_recovery;
 use linewright_proof::cell::{
     CellExploration, CellPath, CellProperty, Checked, GroupExplored, Holding, Verdict, WaitingPart, check,
@@ -16,7 +16,8 @@ use linewright_proof::explore::SearchLimits;
 use miette::miette;
 use serde::Serialize;
 
-use super::explored::ExploreOptions;
+use super::explorer::Explorer;
+use super::options::ExploreOptions;
 use super::report::TextPlace;
 use crate::load;
 use crate::parts::PartList;
@@ -156,11 +157,13 @@ impl CellReport {
     }
 
     /// Adds what is found of the order protocol, activity by activity.
-    fn follow_orders(&mut self, cell: &Cell, line: &Line, options: &ExploreOptions) {
+    fn follow_orders(&mut self, cell: &Cell, line: &Line, explorer: &Explorer<'_>) {
+        let Explorer { options, progress } = explorer;
         let mut setting = ProtocolSetting::new(cell, line);
         let SearchLimits { states, bytes } = options.order_limits();
         (setting.states, setting.bytes) = (states, bytes);
-        match check_protocol(&setting) {
+        let begins = |nth, number, name: &str| progress.shows(&format!("orders of activity {nth} of {number}, {name}"));
+        match check_protocol_watched(&setting, &progress.search, begins) {
             Ok(found) => {
                 let mut properties = properties(&found);
                 let help = found.iter().find_map(|one| one.limit).map(|limit| options.further_orders(limit));
@@ -180,23 +183,33 @@ impl CellReport {
     }
 }
 
-/// Checks the cell of a description. Its problems are drawn on standard error for people.
+/// Reads the description of a cell; its problems and warnings are drawn on standard error unless `quiet`. A report where it is none.
 ///
 /// # Errors
-/// When the options name things that the cell does not have.
-pub fn judge(file: &Path, line: Option<&Line>, options: &ExploreOptions, quiet: bool) -> miette::Result<CellReport> {
-    let parsed = match load::cell(file, line) {
-        Ok(parsed) => parsed,
+/// When the warnings cannot be drawn in their text.
+pub fn read(file: &Path, line: Option<&Line>, quiet: bool) -> miette::Result<Result<ParsedCell, CellReport>> {
+    match load::cell(file, line) {
+        Ok(parsed) => {
+            if !quiet {
+                super::draw_warnings(file, parsed.warnings.clone())?;
+            }
+            Ok(Ok(parsed))
+        }
         Err(error) => {
             if !quiet {
                 crate::out::complain!("{error:?}");
             }
-            return Ok(of_error(&error));
+            Ok(Err(of_error(&error)))
         }
-    };
-    if !quiet {
-        super::draw_warnings(file, parsed.warnings.clone())?;
     }
+}
+
+/// Checks the cell of a description.
+///
+/// # Errors
+/// When the options name things that the cell does not have.
+pub fn judge(parsed: &ParsedCell, line: Option<&Line>, explorer: &Explorer<'_>) -> miette::Result<CellReport> {
+    let options = explorer.options;
     let mut report = CellReport {
         name: Some(parsed.cell.name.clone()),
         ok: true,
@@ -205,6 +218,7 @@ pub fn judge(file: &Path, line: Option<&Line>, options: &ExploreOptions, quiet: 
     };
     if options.asks_to_explore() {
         let setting = setting(&parsed.cell, options)?;
+        explorer.progress.shows("whether parts of the cell get stuck");
         match check(&setting) {
             Ok(found) => report.add(found),
             Err(why) => (report.ok, report.problems) = (false, vec![placeless(why.to_string())]),
@@ -216,7 +230,7 @@ pub fn judge(file: &Path, line: Option<&Line>, options: &ExploreOptions, quiet: 
             report.keep_apart(&setting, line);
         }
         if let Some(line) = line.filter(|_| report.ok) {
-            report.follow_orders(&parsed.cell, line, options);
+            report.follow_orders(&parsed.cell, line, explorer);
         }
     }
     Ok(report)

@@ -4,24 +4,27 @@ use linewright_line::Line;
 use linewright_proof::explore::LineNotExplorable;
 use linewright_proof::parts::{self, SubLine};
 
-use super::explored::{Exploration, ExploreOptions, LineFinding, PART};
+use super::explored::{Exploration, LineFinding};
+use super::explorer::{Explorer, PART};
 use super::larger::{self, PartFound};
 
 /// Explores one part, under its name.
-pub type EachPart = fn(&ExploreOptions, &Line, &str) -> Result<Vec<Exploration>, LineNotExplorable>;
+pub type EachPart<'a> = fn(&Explorer<'a>, &Line, &str) -> Result<Vec<Exploration>, LineNotExplorable>;
 
-impl ExploreOptions {
+impl<'a> Explorer<'a> {
     /// Parts of this line; those that are alike are explored once.
     pub(super) fn by_parts(
         &self,
         line: &Line,
         parts: Vec<SubLine>,
         what: &str,
-        each: EachPart,
+        each: EachPart<'a>,
     ) -> Result<Vec<Exploration>, LineNotExplorable> {
         let (mut found, mut explored) = (Vec::new(), Vec::new());
-        for part in parts {
-            self.add_part(line, part, what, each, (&mut found, &mut explored))?;
+        let number = parts.len();
+        for (nth, part) in parts.into_iter().enumerate() {
+            self.progress
+                .in_part(nth + 1, number, || self.add_part(line, part, what, each, (&mut found, &mut explored)))?;
         }
         // Arrows join the parts: what is explored alone has no larger one.
         if what == PART {
@@ -36,7 +39,7 @@ impl ExploreOptions {
         line: &Line,
         part: SubLine,
         what: &str,
-        each: EachPart,
+        each: EachPart<'a>,
         (found, parts): (&mut Vec<Exploration>, &mut Vec<PartFound>),
     ) -> Result<(), LineNotExplorable> {
         let begins = found.len();
@@ -68,7 +71,7 @@ impl ExploreOptions {
     fn add_larger(
         &self,
         line: &Line,
-        each: EachPart,
+        each: EachPart<'a>,
         (found, parts): (&mut Vec<Exploration>, &mut Vec<PartFound>),
     ) -> Result<(), LineNotExplorable> {
         for at in 0..parts.len() {

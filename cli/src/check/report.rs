@@ -1,6 +1,7 @@
 //! Result of a check, as data: the JSON of `--json`, and the source of the tables.
 
 use std::collections::HashSet;
+use std::path::Path;
 
 use linewright_line::{Line, ParsedLine, Problem, Problems, StationId};
 use linewright_proof::cell::APART;
@@ -11,7 +12,8 @@ use serde::Serialize;
 
 use super::barriers::{self, Barriers};
 use super::cell::{self, CellReport};
-use super::explored::{Exploration, ExploreOptions, PART};
+use super::explored::Exploration;
+use super::explorer::{Explorer, PART};
 
 /// Question that no exploration decides; printed with every result so that it is not taken for more than it is.
 const DEVICES: &str = "whether mechanisms and devices behave as the description says";
@@ -50,6 +52,12 @@ pub struct CheckReport {
     /// Result for the flexible cell, if the description has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<CellReport>,
+    /// Conflicts and each station are decided by parts; what concerns the whole line is left open.
+    #[serde(skip)]
+    pub is_by_parts: bool,
+    /// Nothing was explored, as was asked for.
+    #[serde(skip)]
+    pub is_structure_alone: bool,
     /// Questions that the checks leave open.
     pub not_decided: Vec<String>,
     /// Warnings on the text, with their places; then those on what follows from it, without.
@@ -105,7 +113,7 @@ impl CheckReport {
         CheckReport { problems: vec![place], ..CheckReport::nothing() }
     }
 
-    /// A line of which nothing was judged, since the cell beside it has errors in its text.
+    /// A line of which nothing has been judged.
     pub fn unjudged(parsed: &ParsedLine) -> Self {
         CheckReport {
             line: Some(parsed.line.name.clone()),
@@ -117,6 +125,58 @@ impl CheckReport {
     /// There is no line, which is nothing wrong.
     pub fn of_no_line() -> Self {
         CheckReport { ok: true, ..CheckReport::nothing() }
+    }
+
+    /// Adds what is known of a line without exploration. `file` and `arrow_lines`: where the line's arrows are written, in their order.
+    pub fn add_structure(&mut self, line: &Line, file: &Path, arrow_lines: &[usize]) {
+        self.stations = judge_stations(line);
+        self.line_checks = judge_line(line);
+        for check in &mut self.line_checks {
+            let lines = check.arrows.iter().filter_map(|&arrow| arrow_lines.get(arrow));
+            let places: Vec<String> = lines.map(|line| format!("{}:{line}", file.display())).collect();
+            if !places.is_empty() {
+                check.reason += &format!(" ({})", places.join(", "));
+            }
+        }
+        self.ok = self.stations.iter().all(StructureReport::ok) && self.line_checks.iter().all(|check| check.ok);
+        self.warnings.extend(run_ahead(line).into_iter().map(TextPlace::from));
+    }
+
+    /// Adds what is found by exploring a line, and what is left open.
+    ///
+    /// # Errors
+    /// When the line cannot be explored at all.
+    pub fn add_explored(&mut self, line: &Line, explorer: &Explorer<'_>) -> Result<(), LineNotExplorable> {
+        self.explorations = explorer.explore(line)?;
+        let asks_to_explore = explorer.options.asks_to_explore();
+        if asks_to_explore {
+            explorer.progress.shows("measured positions");
+        }
+        self.barriers = barriers::of(line, explorer.options.measured())?;
+        self.ok &= self.explorations.iter().all(Exploration::holds) && self.barriers.iter().all(Barriers::holds);
+        let mut open = Vec::new();
+        self.is_structure_alone = !asks_to_explore;
+        self.is_by_parts = asks_to_explore
+            && (self.explorations.iter().all(|exploration| exploration.scope.starts_with(PART))
+                || self.explorations.iter().any(|exploration| exploration.is_left_to_parts));
+        if self.is_structure_alone {
+            open.extend(NOT_EXPLORED);
+        }
+        if self.is_by_parts {
+            open.push(IN_PARTS);
+        }
+        if asks_to_explore && !LineExploration::new(line).covers_every_delay() {
+            open.push(RING);
+        }
+        if line.conflicts.iter().any(|conflict| line.is_of_tasks(conflict)) {
+            open.push(TASKS);
+        }
+        open.push(DEVICES);
+        if line.conflicts.is_empty() {
+            open.push(NO_CONFLICTS);
+        }
+        self.not_decided = open.into_iter().map(str::to_owned).chain(pairs_without_conflict(line)).collect();
+        Ok(())
     }
 
     /// Adds what was found of the cell.
@@ -141,6 +201,8 @@ impl CheckReport {
             barriers: Vec::new(),
             explorations: Vec::new(),
             cell: None,
+            is_by_parts: false,
+            is_structure_alone: false,
             not_decided: Vec::new(),
             warnings: Vec::new(),
             problems: Vec::new(),
@@ -148,73 +210,37 @@ impl CheckReport {
     }
 }
 
-/// The pairs of stations that no conflict joins, so that one that was forgotten is noticed. None where there is no conflict, or each
-/// pair has one.
+/// The pairs of stations that no conflict joins, so that one that was forgotten is noticed; first those that arrows join, which hand on to each
+/// other and so come near. None where there is no conflict, or each pair has one.
 fn pairs_without_conflict(line: &Line) -> Option<String> {
     /// More are no help to read.
     const PAIRS_MAX: usize = 8;
     let joined: HashSet<(StationId, StationId)> =
         line.conflicts.iter().map(|of| (of.a.station.min(of.b.station), of.a.station.max(of.b.station))).collect();
     let later = |a: StationId| line.station_ids().skip_while(move |&b| b != a).skip(1);
-    let mut pairs =
-        line.station_ids().flat_map(|a| later(a).map(move |b| (a, b))).filter(|pair| !joined.contains(pair));
-    let name = |id: StationId| &line.station(id).name;
-    let mut named: Vec<String> =
-        pairs.by_ref().take(PAIRS_MAX).map(|(a, b)| format!("{} and {}", name(a), name(b))).collect();
-    let more = pairs.count();
-    if line.conflicts.is_empty() || named.is_empty() {
+    let pairs = line.station_ids().flat_map(|a| later(a).map(move |b| (a, b))).filter(|pair| !joined.contains(pair));
+    let by_arrows: HashSet<(StationId, StationId)> =
+        line.arrows.iter().map(|of| (of.from.0.min(of.to.0), of.from.0.max(of.to.0))).collect();
+    let (near, others): (Vec<_>, Vec<_>) = pairs.partition(|pair| by_arrows.contains(pair));
+    if line.conflicts.is_empty() || near.len() + others.len() == 0 {
         return None;
     }
-    if more > 0 {
-        named.push(format!("{more} more pairs"));
-    }
-    Some(format!("whether stations can collide between which there is no [[conflict]]: {}", named.join(", ")))
-}
-
-/// Checks a description that parses: by structure, then by exploring it by `options`.
-///
-/// # Errors
-/// When the line cannot be explored at all.
-pub fn judge(parsed: &ParsedLine, options: &ExploreOptions) -> Result<CheckReport, LineNotExplorable> {
-    let ParsedLine { line, warnings } = parsed;
-    let stations: Vec<StructureReport> = judge_stations(line);
-    let line_checks = judge_line(line);
-    let sound = stations.iter().all(StructureReport::ok) && line_checks.iter().all(|check| check.ok);
-    let explorations = options.explore(line)?;
-    let barriers = barriers::of(line, options.measured())?;
-    let mut open = Vec::new();
-    if !options.asks_to_explore() {
-        open.extend(NOT_EXPLORED);
-    } else if explorations.iter().all(|exploration| exploration.scope.starts_with(PART))
-        || explorations.iter().any(|exploration| exploration.is_left_to_parts)
-    {
-        open.push(IN_PARTS);
-    }
-    if options.asks_to_explore() && !LineExploration::new(line).covers_every_delay() {
-        open.push(RING);
-    }
-    if line.conflicts.iter().any(|conflict| line.is_of_tasks(conflict)) {
-        open.push(TASKS);
-    }
-    open.push(DEVICES);
-    if line.conflicts.is_empty() {
-        open.push(NO_CONFLICTS);
-    }
-    let not_decided = open.into_iter().map(str::to_owned).chain(pairs_without_conflict(line)).collect();
-    Ok(CheckReport {
-        line: Some(line.name.clone()),
-        ok: sound && explorations.iter().all(Exploration::holds) && barriers.iter().all(Barriers::holds),
-        stations,
-        line_checks,
-        barriers,
-        explorations,
-        cell: None,
-        not_decided,
-        warnings: warnings
-            .iter()
-            .map(TextPlace::from)
-            .chain(run_ahead(line).into_iter().map(TextPlace::from))
-            .collect(),
-        problems: Vec::new(),
+    let named = |pairs: &[(StationId, StationId)], most: usize| {
+        let name = |id: StationId| &line.station(id).name;
+        let mut named: Vec<String> =
+            pairs.iter().take(most).map(|&(a, b)| format!("{} and {}", name(a), name(b))).collect();
+        if let Some(more @ 1..) = pairs.len().checked_sub(most) {
+            named.push(format!("{more} more pairs"));
+        }
+        named.join(", ")
+    };
+    let question = "whether stations can collide between which there is no [[conflict]]";
+    let left = PAIRS_MAX.saturating_sub(near.len());
+    Some(match (near.len(), others.len()) {
+        (0, _) => format!("{question}: {}", named(&others, PAIRS_MAX)),
+        (_, 0) => format!("{question}, joined by arrows: {}", named(&near, PAIRS_MAX)),
+        _ => {
+            format!("{question}, joined by arrows: {}; others: {}", named(&near, PAIRS_MAX), named(&others, left))
+        }
     })
 }

@@ -24,18 +24,32 @@ const COLUMNS: [(&str, &str); 10] = [
     ("tables", "tables"),
 ];
 
-/// The result in words.
-pub fn text(report: &CheckReport) -> String {
+/// What is known without exploration, in words.
+pub fn structure(report: &CheckReport) -> String {
+    written(report, of_structure)
+}
+
+/// The rest, in words, with the summary of all of it.
+pub fn explored(report: &CheckReport) -> String {
+    written(report, of_rest)
+}
+
+fn written(report: &CheckReport, write: fn(&CheckReport, &mut String) -> std::fmt::Result) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     write(report, &mut out).expect("a string accepts every write");
     out
 }
 
-fn write(report: &CheckReport, out: &mut String) -> std::fmt::Result {
-    if !report.stations.is_empty() {
-        of_line(report, out)?;
+fn of_rest(report: &CheckReport, out: &mut String) -> std::fmt::Result {
+    for barriers in &report.barriers {
+        writeln!(out, "{} {}: {}", barriers.verdict().map_or("-", sign), barriers.why, barriers.text())?;
+        if !barriers.steps().is_empty() {
+            steps(barriers.steps(), &barriers.why, out)?;
+        }
+        barriers.help.iter().try_for_each(|help| writeln!(out, "  help: {help}"))?;
     }
+    report.explorations.iter().try_for_each(|exploration| of_exploration(exploration, out))?;
     if let Some(cell) = &report.cell {
         cell::write(cell, out)?;
     }
@@ -48,7 +62,7 @@ fn write(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     summary(report, out)
 }
 
-fn of_line(report: &CheckReport, out: &mut String) -> std::fmt::Result {
+fn of_structure(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     stations(&report.stations, out)?;
     for station in &report.stations {
         for check in station.checks.iter().filter(|check| !check.ok) {
@@ -56,7 +70,7 @@ fn of_line(report: &CheckReport, out: &mut String) -> std::fmt::Result {
         }
     }
     writeln!(out)?;
-    for Check { name, ok, reason } in &report.line_checks {
+    for Check { name, ok, reason, .. } in &report.line_checks {
         writeln!(out, "{} {name}: {reason}", mark(*ok))?;
     }
     // Those of the text are drawn in it.
@@ -64,17 +78,21 @@ fn of_line(report: &CheckReport, out: &mut String) -> std::fmt::Result {
         writeln!(out, "! {}", warning.message)?;
         warning.help.iter().try_for_each(|help| writeln!(out, "  help: {help}"))?;
     }
-    for barriers in &report.barriers {
-        writeln!(out, "{} {}: {}", barriers.verdict().map_or("-", sign), barriers.why, barriers.text())?;
-        if !barriers.steps().is_empty() {
-            steps(barriers.steps(), &barriers.why, out)?;
-        }
-        barriers.help.iter().try_for_each(|help| writeln!(out, "  help: {help}"))?;
-    }
-    report.explorations.iter().try_for_each(|exploration| explored(exploration, out))
+    Ok(())
 }
 
-/// Number of checks that hold.
+/// What the checks that hold leave out, behind their number.
+fn left_out(report: &CheckReport) -> &'static str {
+    if report.is_by_parts {
+        "; by parts: conflicts and each station are decided, the whole line is left open"
+    } else if report.is_structure_alone {
+        "; by structure alone: nothing was explored"
+    } else {
+        ""
+    }
+}
+
+/// Number of checks that hold, and what was decided by them.
 fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     let checks = || report.stations.iter().flat_map(|station| &station.checks).chain(&report.line_checks);
     let of_stations = report.explorations.iter().flat_map(|exploration| &exploration.properties).map(|p| p.verdict);
@@ -99,7 +117,7 @@ fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
         number => ("!", format!(", {number} warnings")),
     };
     match (failed, open) {
-        (0, 0) => writeln!(out, "\n{sign} {name}: {all} checks hold{warnings}"),
+        (0, 0) => writeln!(out, "\n{sign} {name}: {all} checks hold{warnings}{}", left_out(report)),
         (0, open) => writeln!(out, "\n? {name}: {open} of {all} checks are undecided{warnings}"),
         (failed, 0) => writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold{warnings}"),
         (failed, open) => {
@@ -109,7 +127,7 @@ fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
 }
 
 /// One exploration: its size, its properties, and how the first that fails comes to be.
-fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
+fn of_exploration(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
     let Exploration { scope, states, kept, arcs, bytes, .. } = exploration;
     let mebibytes = bytes.div_ceil(1 << 20);
     match states {

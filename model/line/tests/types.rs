@@ -167,3 +167,14 @@ proptest! {
         }
     }
 }
+
+/// An arrow of a type stands for one of each of its stations.
+#[test]
+fn arrows_have_the_lines_in_which_people_wrote_them() {
+    let parsed = parse("line.toml", TYPES).unwrap_or_else(|problems| panic!("{problems:#}"));
+    let lines: Vec<&str> = TYPES.lines().collect();
+    assert_eq!(parsed.arrow_lines.len(), parsed.line.arrows.len());
+    let headers: Vec<&str> = parsed.arrow_lines.iter().map(|&line| lines[line - 1]).collect();
+    assert!(headers.contains(&"[[station_type.arrow]]"), "{headers:?}");
+    assert!(headers.iter().all(|header| header.contains("arrow]]")), "{headers:?}");
+}

@@ -127,6 +127,11 @@ impl Splice {
     }
 
     /// The stretch of the old text that a stretch of the new one stands for.
+    pub fn origin_of(&self, range: &TextRange) -> TextRange {
+        self.origin(range).0
+    }
+
+    /// The same, with its note.
     fn origin(&self, range: &TextRange) -> (TextRange, Option<NoteId>) {
         let Some(first) = self.piece(range.start) else { return (range.clone(), None) };
         let last = self.piece(range.end.max(range.start + 1) - 1).filter(|last| last.note == first.note);

@@ -16,6 +16,7 @@ mod facts;
 mod home;
 mod orders;
 mod path;
+mod progress;
 mod properties;
 mod restart;
 mod search;
@@ -31,6 +32,7 @@ mod view_key;
 
 pub use counterexample::LinePath;
 pub(crate) use facts::{actuator, bits_of};
+pub use progress::SearchProgress;
 pub use properties::counted;
 pub use search::{LimitReached, SearchLimits};
 pub use setting::{Grants, LineExploration};
@@ -87,6 +89,18 @@ pub enum LineNotExplorable {
 /// # Errors
 /// When the line cannot be explored at all.
 pub fn explore(setting: &LineExploration, limits: SearchLimits) -> Result<LineExplored, LineNotExplorable> {
+    explore_watched(setting, limits, &SearchProgress::default())
+}
+
+/// The same, with its progress written down as it goes.
+///
+/// # Errors
+/// When the line cannot be explored at all.
+pub fn explore_watched(
+    setting: &LineExploration,
+    limits: SearchLimits,
+    progress: &SearchProgress,
+) -> Result<LineExplored, LineNotExplorable> {
     let found = setting.line.conflicts.len();
     if found > facts::CONFLICTS_MAX {
         return Err(LineNotExplorable::Conflicts { found, max: facts::CONFLICTS_MAX });
@@ -101,5 +115,5 @@ pub fn explore(setting: &LineExploration, limits: SearchLimits) -> Result<LineEx
             return Err(LineNotExplorable::Links { station: station.name.clone(), found, max: station::LINKS_MAX });
         }
     }
-    search::explore(setting, limits)
+    search::explore(setting, limits, progress)
 }

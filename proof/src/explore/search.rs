@@ -5,6 +5,7 @@ use std::sync::mpsc::sync_channel;
 use std::thread;
 
 use super::LineNotExplorable;
+use super::progress::SearchProgress;
 use super::properties::StateTally;
 use super::setting::LineExploration;
 use super::state::{ComposedState, FieldOverflow, StateLayout, Widths};
@@ -74,12 +75,14 @@ pub(crate) fn search<const N: usize>(
     start: ComposedState,
     widths: Widths,
     limits: SearchLimits,
+    progress: &SearchProgress,
 ) -> Result<LineSearch<N>, Box<(System, ComposedState, FieldOverflow)>> {
     let layout = system.layout(widths);
     let (at_home, grants, tally) = (Vec::new(), Vec::new(), StateTally::default());
     let (store, end) = (StateStore::new(system.setting.asks_for_ways()), SearchEnd::Limit(LimitReached::Memory));
     let mut search = LineSearch { system, layout, store, start, looked_at: 0, at_home, grants, tally, end };
-    match search.run(limits) {
+    progress.begin(limits.states);
+    match search.run(limits, progress) {
         Ok(end) => {
             search.end = end;
             Ok(search)
@@ -107,7 +110,7 @@ enum SearchStop {
 impl<const N: usize> LineSearch<N> {
     /// Two threads share the work: this one plays, the other keeps the states. States are numbered in the order in
     /// which one thread alone would meet them, so the result does not depend on how the two take turns.
-    fn run(&mut self, limits: SearchLimits) -> Result<SearchEnd, FieldOverflow> {
+    fn run(&mut self, limits: SearchLimits, progress: &SearchProgress) -> Result<SearchEnd, FieldOverflow> {
         let LineSearch { system, layout, store, start, looked_at, at_home, grants, tally, .. } = self;
         let asks_for_ways = system.setting.asks_for_ways();
         let mut here = start.clone();
@@ -164,6 +167,7 @@ impl<const N: usize> LineSearch<N> {
                         Err(SearchStop::Limit) => return Ok(SearchEnd::Limit(LimitReached::Memory)),
                     }
                 }
+                progress.looked_at(*looked_at);
                 batch.bytes = player.system.bytes() + at_home.capacity() + grants.capacity() * size_of::<Granted>();
                 if batches.send(batch).is_err() {
                     return Ok(SearchEnd::Limit(LimitReached::Memory));
@@ -248,27 +252,35 @@ const PLAIN_STATES_MAX: usize = 1_000_000;
 /// the line's own. The shortest is easier to read; it is looked for where that takes about a second. Nor need the
 /// nearest wrong one be among the first that are kept: where the search did not come to an end, it is looked for as
 /// well.
-pub(crate) fn explore(setting: &LineExploration, limits: SearchLimits) -> Result<LineExplored, LineNotExplorable> {
-    let explored = fit(setting, limits)?;
+pub(crate) fn explore(
+    setting: &LineExploration,
+    limits: SearchLimits,
+    progress: &SearchProgress,
+) -> Result<LineExplored, LineNotExplorable> {
+    let explored = fit(setting, limits, progress)?;
     if !setting.lumped || explored.exhausted {
         return Ok(explored);
     }
     let plain = LineExploration { lumped: false, ..setting.clone() };
-    let again = fit(&plain, SearchLimits { states: limits.states.min(PLAIN_STATES_MAX), ..limits })?;
+    let again = fit(&plain, SearchLimits { states: limits.states.min(PLAIN_STATES_MAX), ..limits }, progress)?;
     Ok(if again.exhausted || again.counterexample().is_some() { again } else { explored })
 }
 
 /// Explores with fields as narrow as they turn out to be possible.
-fn fit(setting: &LineExploration, limits: SearchLimits) -> Result<LineExplored, LineNotExplorable> {
+fn fit(
+    setting: &LineExploration,
+    limits: SearchLimits,
+    progress: &SearchProgress,
+) -> Result<LineExplored, LineNotExplorable> {
     let (mut system, mut start) = System::new(setting)?;
     let mut widths = Widths::FIRST;
     loop {
         let found = match system.layout(widths).words64 {
-            0..=2 => attempt::<2>(system, start, widths, limits),
-            3 => attempt::<3>(system, start, widths, limits),
-            4 => attempt::<4>(system, start, widths, limits),
-            5..=8 => attempt::<8>(system, start, widths, limits),
-            9..=WORDS_MAX => attempt::<WORDS_MAX>(system, start, widths, limits),
+            0..=2 => attempt::<2>(system, start, widths, limits, progress),
+            3 => attempt::<3>(system, start, widths, limits, progress),
+            4 => attempt::<4>(system, start, widths, limits, progress),
+            5..=8 => attempt::<8>(system, start, widths, limits, progress),
+            9..=WORDS_MAX => attempt::<WORDS_MAX>(system, start, widths, limits, progress),
             found => return Err(LineNotExplorable::State { found, max: WORDS_MAX }),
         };
         let why;
@@ -285,6 +297,7 @@ fn attempt<const N: usize>(
     start: ComposedState,
     widths: Widths,
     limits: SearchLimits,
+    progress: &SearchProgress,
 ) -> Result<LineExplored, Box<(System, ComposedState, FieldOverflow)>> {
-    search::<N>(system, start, widths, limits).map(verdict::judge)
+    search::<N>(system, start, widths, limits, progress).map(verdict::judge)
 }

@@ -36,13 +36,16 @@ pub struct Check {
     pub ok: bool,
     /// Why, or why not.
     pub reason: String,
+    /// The arrows that the reason names, by their place in the line.
+    #[serde(skip)]
+    pub arrows: Vec<usize>,
 }
 
 impl Check {
     /// A property with what decided it: `Ok` is why it holds, `Err` why it does not.
     pub fn of(name: impl Into<String>, found: Result<String, String>) -> Self {
         let ok = found.is_ok();
-        Check { name: name.into(), ok, reason: found.unwrap_or_else(|why_not| why_not) }
+        Check { name: name.into(), ok, reason: found.unwrap_or_else(|why_not| why_not), arrows: Vec::new() }
     }
 }
 
@@ -106,7 +109,9 @@ pub fn judge_line(line: &Line) -> Vec<Check> {
     let line = &line.without_conflicts_of_tasks();
     let separated = line.conflicts.iter().zip(chart::all_separated(line));
     checks.extend(separated.map(|(conflict, found)| {
-        Check::of(format!("separated: {}", conflict.why), found.map_err(|gap| gap.to_string()))
+        let arrows = found.as_ref().err().map(|gap| gap.arrows().to_vec()).unwrap_or_default();
+        let check = Check::of(format!("separated: {}", conflict.why), found.map_err(|gap| gap.to_string()));
+        Check { arrows, ..check }
     }));
     checks
 }

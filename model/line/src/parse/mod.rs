@@ -32,7 +32,7 @@ mod wiring;
 
 pub use linewright_text::{Problem, Problems, suggestion};
 
-use linewright_text::{Keys, Report, Shape};
+use linewright_text::{Keys, Report, Shape, TextRange};
 
 use crate::Line;
 
@@ -41,6 +41,8 @@ use crate::Line;
 pub struct ParsedLine {
     /// The line it describes.
     pub line: Line,
+    /// The lines of the text, from 1, at which its arrows begin, in their order.
+    pub arrow_lines: Vec<usize>,
     /// Warnings, in the order of the text; [`Problems::new`] has them drawn.
     pub warnings: Vec<Problem>,
 }
@@ -52,8 +54,10 @@ pub struct ParsedLine {
 pub fn parse(file_name: &str, text: &str) -> Result<ParsedLine, Problems> {
     let mut report = Report::default();
     let line = understand(text, &mut report);
-    let (line, warnings) = report.close(line, file_name, text)?;
-    Ok(ParsedLine { line, warnings })
+    let ((line, arrows), warnings) = report.close(line, file_name, text)?;
+    let line_of =
+        |at: &TextRange| text.as_bytes()[..at.start.min(text.len())].iter().filter(|&&byte| byte == b'\n').count() + 1;
+    Ok(ParsedLine { line, arrow_lines: arrows.iter().map(line_of).collect(), warnings })
 }
 
 /// The description with every station of a type written out: another text of the same line.
@@ -77,7 +81,8 @@ pub fn schema() -> Shape {
     raw::RawLine::shape()
 }
 
-fn understand(text: &str, report: &mut Report) -> Option<Line> {
+/// The line, and the places of its arrows.
+fn understand(text: &str, report: &mut Report) -> Option<(Line, Vec<TextRange>)> {
     if !linewright_text::is_bounded(text, "the description", report) {
         return None;
     }
@@ -86,15 +91,18 @@ fn understand(text: &str, report: &mut Report) -> Option<Line> {
     let line = written_out(spliced.text(), &mut found);
     spliced.put_back(text, &mut found);
     report.join(found);
-    if report.has_errors() { None } else { line }
+    let (line, arrows) = line.filter(|_| !report.has_errors())?;
+    Some((line, arrows.iter().map(|at| spliced.origin_of(at)).collect()))
 }
 
 /// A description without types.
-fn written_out(text: &str, report: &mut Report) -> Option<Line> {
+fn written_out(text: &str, report: &mut Report) -> Option<(Line, Vec<TextRange>)> {
     let raw = raw::read(text, report)?;
     let names = names::names(&raw, report);
     let mut draft = resolve::resolve(&raw, names, report);
+    rules::wrong_homes(&mut draft, report);
     swapped::turn_round(&mut draft, report);
     rules::check(&draft, report);
-    if report.has_errors() { None } else { finish::finish(&draft) }
+    let arrows = draft.arrows.iter().map(|arrow| arrow.at.clone()).collect();
+    if report.has_errors() { None } else { Some((finish::finish(&draft)?, arrows)) }
 }

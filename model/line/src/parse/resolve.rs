@@ -3,7 +3,7 @@
 //! The only pass that looks names up. Each reference either becomes a number or is reported with what it could have
 //! been; what the numbers may be combined to is for the rules.
 
-use linewright_text::{Located, LocatedName, Problem, Report, nearest, suggestion};
+use linewright_text::{Located, LocatedName, NameTable, Problem, Report, TextRange, nearest, suggestion};
 
 use super::draft::{
     DraftArrow, DraftConflict, DraftConsole, DraftEnd, DraftLine, DraftOperation, DraftSignals, DraftStation,
@@ -26,7 +26,7 @@ pub(super) fn resolve<'a>(raw: &'a RawLine, names: LineNames<'a>, report: &mut R
     let handling = handling::resolve(raw, &names, &mut stations, report);
     let arrows = raw.arrows.iter().map(|a| arrow(a, &names, report)).collect();
     let conflicts = raw.conflicts.iter().map(|c| conflict(c, &stations, &names, report)).collect();
-    let console = console(raw, owned.console, report);
+    let console = console(&names, owned, report);
     DraftLine { raw, names, stations, arrows, conflicts, devices, console, handling }
 }
 
@@ -60,7 +60,8 @@ fn station<'a>(
         Some(panel) => [&panel.manual, &panel.advance, &panel.retract].map(|name| scope.input(name.as_ref(), report)),
     };
     if let (Some(bare), Some(name)) = (scope.bare, &raw.name) {
-        bare.report(name, report);
+        let subject = format!("station `{}`", name.value);
+        bare.report(&name.at, &subject, &format!("station = \"{}\"", name.value), report);
     }
     let home = raw.home.as_ref().and_then(|home| {
         let op = inside.operations.find(home, "operation", report)?;
@@ -144,7 +145,7 @@ fn axes(raw: &RawStation, operations: &[DraftOperation<'_>]) -> Vec<Axis> {
     axes.map(|(axis, (name, home))| Axis { name: name.value.clone(), home: *home, index: index(axis) }).collect()
 }
 
-/// Signals that a station without a device uses, each once and in order. That it has none is one error.
+/// Signals that a station or console without a device uses, each once and in order. That it has none is one error.
 #[derive(Default)]
 struct BareSignals {
     inputs: Vec<String>,
@@ -162,7 +163,8 @@ impl BareSignals {
         }
     }
 
-    fn report(&self, station: &LocatedName, report: &mut Report) {
+    /// `subject`: what has no device; `owner`: the key of the device that is missing.
+    fn report(&self, at: &TextRange, subject: &str, owner: &str, report: &mut Report) {
         let list = |key: &str, names: &[String]| {
             let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
             (!names.is_empty()).then(|| format!(", `{key} = [{}]`", names.join(", ")))
@@ -170,11 +172,10 @@ impl BareSignals {
         let lists: String =
             [list("inputs", &self.inputs), list("outputs", &self.outputs)].into_iter().flatten().collect();
         if !lists.is_empty() {
-            let name = &station.value;
             report.add(
-                Problem::error(station.at.clone(), format!("station `{name}` has no device, so none of its signals"))
+                Problem::error(at.clone(), format!("{subject} has no device, so none of its signals"))
                     .label("no [[device]] names it")
-                    .hint(format!("write a [[device]] with `station = \"{name}\"`{lists}, in the order of its bits")),
+                    .hint(format!("write a [[device]] with `{owner}`{lists}, in the order of its bits")),
             );
         }
     }
@@ -372,23 +373,37 @@ fn span(
     Some(Located::new(span, raw.at.clone()))
 }
 
-fn console(raw: &RawLine, wires: Wires<'_>, report: &mut Report) -> DraftConsole {
-    let mut console = DraftConsole {
-        buttons: raw.buttons.iter().map(|b| wires.inputs.get(&b.value).map(InputId::at)).collect(),
-        ..DraftConsole::default()
+/// The console. Without a device it has none of its signals, which is one error; buttons may be on ROS topics alone.
+fn console(names: &LineNames<'_>, owned: OwnedImages<'_>, report: &mut Report) -> DraftConsole {
+    let OwnedImages { console: wires, raw, .. } = owned;
+    let buttons = raw.buttons.iter().map(|b| wires.inputs.get(&b.value).map(InputId::at)).collect();
+    let mut console = DraftConsole { buttons, ..DraftConsole::default() };
+    let Some(written) = &raw.console else {
+        console.wiring = wires.wiring;
+        return console;
     };
-    if let Some(raw) = &raw.console {
-        console.inputs = [&raw.start, &raw.stop, &raw.auto, &raw.hand, &raw.estop.input, &raw.reset].map(|name| {
-            let name = name.as_ref()?;
-            let id = wires.inputs.find(name, "input of the console's devices:", report)?;
-            Some(Located::new(InputId::at(id), name.at.clone()))
-        });
-        let lamps = &raw.lamps;
-        console.lamps = [&lamps.auto, &lamps.hand, &lamps.manual, &lamps.fault].map(|name| {
-            let name = name.as_ref()?;
-            let id = wires.outputs.find(name, "output of the console's devices:", report)?;
-            Some(Located::new(OutputId::at(id), name.at.clone()))
-        });
+    let has_device = raw.devices.iter().any(|device| device.console.as_ref().is_some_and(|console| console.value));
+    let mut bare = BareSignals::default();
+    raw.buttons.iter().for_each(|button| bare.note(&button.value, SignalDirection::Input));
+    let without_buttons = bare.inputs.len();
+    let mut find = |table: &NameTable<'_>, name: &Option<LocatedName>, direction: SignalDirection| {
+        let name = name.as_ref()?;
+        if has_device {
+            let what = format!("{} of the console's devices:", direction.name());
+            return Some(Located::new(table.find(name, &what, report)?, name.at.clone()));
+        }
+        if !wiring::is_on_unowned(raw, names, &name.value) {
+            bare.note(&name.value, direction);
+        }
+        None
+    };
+    let keys = [&written.start, &written.stop, &written.auto, &written.hand, &written.estop.input, &written.reset];
+    console.inputs = keys.map(|name| Some(find(&wires.inputs, name, SignalDirection::Input)?.map(InputId::at)));
+    let lamps = &written.lamps;
+    console.lamps = [&lamps.auto, &lamps.hand, &lamps.manual, &lamps.fault]
+        .map(|name| Some(find(&wires.outputs, name, SignalDirection::Output)?.map(OutputId::at)));
+    if bare.inputs.len() > without_buttons || !bare.outputs.is_empty() {
+        bare.report(&written.at, "the console", "console = true", report);
     }
     console.wiring = wires.wiring;
     console

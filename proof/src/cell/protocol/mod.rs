@@ -37,7 +37,7 @@ use linewright_station_logic::OrderRules;
 pub use stage::NotPlayable;
 
 use super::{CellPath, CellProperty, Verdict};
-use crate::explore::LimitReached;
+use crate::explore::{LimitReached, SearchProgress};
 
 /// States of one exploration, unless others are asked for.
 pub const STATES: usize = 1_000_000;
@@ -132,12 +132,30 @@ pub const ALL: [&str; 8] = [GIVEN, RESTORED, ANSWERED, ENDED, TWICE, STOPPED, BA
 /// # Errors
 /// When the cell cannot be played.
 pub fn check_protocol(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityExplored>, NotPlayable> {
+    check_protocol_watched(setting, &SearchProgress::default(), |_, _, _| ())
+}
+
+/// The same, with its progress written down as it goes; `begins` is called before each activity, with its place among them from 1,
+/// their number and its name.
+///
+/// # Errors
+/// When the cell cannot be played.
+pub fn check_protocol_watched(
+    setting: &ProtocolSetting<'_>,
+    progress: &SearchProgress,
+    mut begins: impl FnMut(usize, usize, &str),
+) -> Result<Vec<ActivityExplored>, NotPlayable> {
     // Positions of other stations are not seen here. They keep motions from starting and stop them: a motion that does not
     // arrive, and one that fails.
     let line = setting.line.without_conflicts_of_tasks();
     let setting = &ProtocolSetting { line: &line, ..setting.clone() };
     let stages = stage::stages(setting)?;
-    Ok(stages.into_iter().map(|stage| search::explore(setting, stage)).collect())
+    let number = stages.len();
+    let one = |(nth, stage): (usize, stage::ActivityStart)| {
+        begins(nth + 1, number, &stage.name);
+        search::explore(setting, stage, progress)
+    };
+    Ok(stages.into_iter().enumerate().map(one).collect())
 }
 
 /// Properties of a cell that follow.

@@ -10,7 +10,7 @@ use super::{
     ANSWERED, ActivityExplored, BACK, BrokenRule, CLOSED, ENDED, GIVEN, ProtocolSetting, RESTORED, STOPPED, TWICE,
     words,
 };
-use crate::explore::LimitReached;
+use crate::explore::{LimitReached, SearchProgress};
 
 /// Messages of one activity and of what follows it, a bit each. With more the exploration is not exhaustive, and reports so.
 pub(super) const MESSAGES_MAX: u32 = u64::BITS;
@@ -46,7 +46,12 @@ struct ProtocolSearch<'c> {
     wrong: Option<(u32, ProtocolArc, &'static str, String)>,
 }
 
-pub(super) fn explore(setting: &ProtocolSetting<'_>, stage: ActivityStart) -> ActivityExplored {
+pub(super) fn explore(
+    setting: &ProtocolSetting<'_>,
+    stage: ActivityStart,
+    progress: &SearchProgress,
+) -> ActivityExplored {
+    progress.begin(setting.states);
     let ActivityStart { name, mode, stations, machines, mut player } = stage;
     let mut search = ProtocolSearch {
         setting,
@@ -79,6 +84,7 @@ pub(super) fn explore(setting: &ProtocolSetting<'_>, stage: ActivityStart) -> Ac
     while at < search.states.len() && search.wrong.is_none() && search.limit().is_none() {
         search.expand(at as u32);
         at += 1;
+        progress.looked_at(at);
     }
     let limit = search.limit().filter(|_| search.wrong.is_none() && at < search.states.len());
     let fits = search.players.messages.len() <= MESSAGES_MAX as usize;

@@ -57,13 +57,30 @@ enum ConsideredWaits {
 pub enum Gap {
     /// In forward motion, for certain.
     #[error("forward motion can reach it: {0}")]
-    Forward(String),
+    Forward(Overlap),
     /// Forward motion keeps them apart, but only because operations side by side start together.
     #[error(
         "forward motion keeps them apart, but of operations side by side one can be taken back alone, and then {0}; an \
          arrow of its own to each of them would hold"
     )]
-    TakenBack(String),
+    TakenBack(Overlap),
+}
+
+impl Gap {
+    /// The arrows that its text names, by their place in the line.
+    pub fn arrows(&self) -> &[usize] {
+        let (Gap::Forward(overlap) | Gap::TakenBack(overlap)) = self;
+        &overlap.arrows
+    }
+}
+
+/// How two states come to overlap.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{text}")]
+pub struct Overlap {
+    pub text: String,
+    /// The arrows that the text names, by their place in the line.
+    pub arrows: Vec<usize>,
 }
 
 /// Least lags on a chart; room to work in, kept from one question to the next.
@@ -137,10 +154,14 @@ impl<'a> Lags<'a> {
         let Err(unguarded) = self.gaps(conflict, ConsideredWaits::Guarded) else {
             return Ok("forward motion keeps them apart in every mode; for the rest see below".to_owned());
         };
-        let Err(why) = self.gaps(conflict, ConsideredWaits::InEveryMode) else { return Err(Gap::TakenBack(unguarded)) };
+        let Err(mut overlap) = self.gaps(conflict, ConsideredWaits::InEveryMode) else {
+            return Err(Gap::TakenBack(unguarded));
+        };
         let only_auto = self.gaps(conflict, ConsideredWaits::InAuto).is_ok();
-        let hint = if only_auto { "; arrows of auto alone would, and manual gets round them" } else { "" };
-        Err(Gap::Forward(format!("{why}{hint}")))
+        if only_auto {
+            overlap.text += "; arrows of auto alone would, and manual gets round them";
+        }
+        Err(Gap::Forward(overlap))
     }
 
     /// The arrow that separates two states of which one waits for the other already; none where neither or both do.
@@ -165,7 +186,7 @@ impl<'a> Lags<'a> {
         sum.is_some_and(|sum| sum <= SUM_MAX)
     }
 
-    fn gaps(&mut self, conflict: &Conflict, waits: ConsideredWaits) -> Result<(), String> {
+    fn gaps(&mut self, conflict: &Conflict, waits: ConsideredWaits) -> Result<(), Overlap> {
         let (line, Conflict { a, b, .. }) = (self.chart.line, conflict);
         let advice = match self.missing(a, b, waits) {
             Some(arrow) => format!("; an arrow {} in both modes does", written(line, &arrow)),
@@ -177,17 +198,22 @@ impl<'a> Lags<'a> {
                 let late = arrows_between(line, from.0, to.0, |arrow| arrow.from.0 == from.0 && arrow.lag > SUM_MAX);
                 let swapped = swapped(line, conflict, waits);
                 let (from, to) = (full_name(line, from), full_name(line, to));
+                let unseen = format!("nothing in both modes makes `{to}` wait for `{from}`");
                 match (late, swapped) {
-                    (Some(late), _) => format!(
-                        "an arrow makes `{to}` wait for an end of `{from}` that is too many cycles back: {late}; a lag \
-                         of {SUM_MAX} is the most that keeps the two apart"
-                    ),
-                    (None, Some(arrow)) => format!(
-                        "nothing in both modes makes `{to}` wait for `{from}`; the arrow from `{}` to `{}` may be the wrong way round",
-                        full_name(line, arrow.from),
-                        full_name(line, arrow.to)
-                    ),
-                    (None, None) => format!("nothing in both modes makes `{to}` wait for `{from}`{advice}"),
+                    (Some((late, arrows)), _) => Overlap {
+                        text: format!(
+                            "an arrow makes `{to}` wait for an end of `{from}` that is too many cycles back: {late}; a \
+                             lag of {SUM_MAX} is the most that keeps the two apart"
+                        ),
+                        arrows,
+                    },
+                    (None, Some(at)) => {
+                        let (from, to) = (line.arrows[at].from, line.arrows[at].to);
+                        let (from, to) = (full_name(line, from), full_name(line, to));
+                        let text = format!("{unseen}; the arrow from `{from}` to `{to}` may be the wrong way round");
+                        Overlap { text, arrows: vec![at] }
+                    }
+                    (None, None) => Overlap { text: format!("{unseen}{advice}"), arrows: Vec::new() },
                 }
             })
         };
@@ -206,7 +232,7 @@ fn crosses(span: &StateSpan) -> u32 {
 }
 
 /// How two states overlap that each begin only after an end of the other, each with the number of cycles back of that end.
-fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u32)) -> String {
+fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u32)) -> Overlap {
     let waits = |state: &StateSpan, lag: u32, other: &StateSpan| {
         let cycle = match lag {
             0 => "in the same cycle".to_owned(),
@@ -227,18 +253,24 @@ fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u
             station.name
         );
     }
-    if let Some(arrows) = arrows_between(line, a.station, b.station, |_| true) {
-        text += &format!("; an arrow may be the wrong way round: {arrows}");
-    }
-    text
+    let Some((written, arrows)) = arrows_between(line, a.station, b.station, |_| true) else {
+        return Overlap { text, arrows: Vec::new() };
+    };
+    text += &format!("; an arrow may be the wrong way round: {written}");
+    Overlap { text, arrows }
 }
 
-/// The arrows between two stations, as they are written; none where there is none of these.
-fn arrows_between(line: &Line, a: StationId, b: StationId, is_meant: impl Fn(&Arrow) -> bool) -> Option<String> {
-    let joins = |arrow: &&Arrow| [(a, b), (b, a)].contains(&(arrow.from.0, arrow.to.0));
-    let found = line.arrows.iter().filter(joins).filter(|arrow| is_meant(arrow));
-    let texts: Vec<String> = found.map(|arrow| written(line, arrow)).collect();
-    (!texts.is_empty()).then(|| texts.join("; "))
+/// The arrows between two stations, as they are written, with their places in the line; none where there is none of these.
+fn arrows_between(
+    line: &Line,
+    a: StationId,
+    b: StationId,
+    is_meant: impl Fn(&Arrow) -> bool,
+) -> Option<(String, Vec<usize>)> {
+    let joins = |arrow: &Arrow| [(a, b), (b, a)].contains(&(arrow.from.0, arrow.to.0));
+    let found = line.arrows.iter().enumerate().filter(|(_, arrow)| joins(arrow) && is_meant(arrow));
+    let (places, texts): (Vec<usize>, Vec<String>) = found.map(|(at, arrow)| (at, written(line, arrow))).unzip();
+    (!texts.is_empty()).then(|| (texts.join("; "), places))
 }
 
 /// An arrow as it is written, but for its modes.
@@ -254,16 +286,15 @@ pub(super) fn missing_arrows(line: &Line) -> Vec<Arrow> {
     open.into_iter().filter_map(|of| lags.missing(&of.a, &of.b, ConsideredWaits::Guarded)).collect()
 }
 
-/// The arrow that separates a conflict when it is turned round, as it is written.
-fn swapped(line: &Line, conflict: &Conflict, waits: ConsideredWaits) -> Option<Arrow> {
+/// The arrow that separates a conflict when it is turned round, by its place in the line.
+fn swapped(line: &Line, conflict: &Conflict, waits: ConsideredWaits) -> Option<usize> {
     let stations = [conflict.a.station, conflict.b.station];
     let joins = |arrow: &Arrow| [arrow.from.0, arrow.to.0].iter().all(|station| stations.contains(station));
-    let at = (0..line.arrows.len()).filter(|&at| joins(&line.arrows[at])).find(|&at| {
+    (0..line.arrows.len()).filter(|&at| joins(&line.arrows[at])).find(|&at| {
         let mut turned = line.clone();
         turned.arrows[at] = round(line.arrows[at]);
         Lags::of(&turned).is_separated(conflict, waits)
-    })?;
-    Some(line.arrows[at])
+    })
 }
 
 fn round(arrow: Arrow) -> Arrow {
@@ -275,7 +306,8 @@ pub(super) fn meant_arrows(line: &Line) -> Vec<Arrow> {
     let mut lags = Lags::of(line);
     let open: Vec<_> =
         line.conflicts.iter().filter(|of| !lags.is_separated(of, ConsideredWaits::InEveryMode)).collect();
-    open.into_iter().filter_map(|of| swapped(line, of, ConsideredWaits::InEveryMode)).map(round).collect()
+    let swapped = open.into_iter().filter_map(|of| swapped(line, of, ConsideredWaits::InEveryMode));
+    swapped.map(|at| round(line.arrows[at])).collect()
 }
 
 /// Whether the two states of a conflict exclude each other in forward motion, in every mode and across changes of mode.

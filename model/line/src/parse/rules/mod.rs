@@ -27,6 +27,7 @@ mod tasks;
 mod timing;
 
 pub(super) use devices::node_id;
+pub(super) use motion::wrong_homes;
 pub(super) use operations::{same_motion, same_place};
 
 use linewright_text::Report;

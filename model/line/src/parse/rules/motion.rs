@@ -7,7 +7,7 @@ use std::ops::Range;
 use linewright_text::{Problem, Report};
 
 use super::operations::same_place;
-use crate::parse::draft::DraftStation;
+use crate::parse::draft::{DraftLine, DraftStation};
 use crate::{AxisId, OpId};
 
 /// An axis on its way round the cycle, or through a task.
@@ -17,31 +17,43 @@ pub(super) struct Position {
     pub left_by: Option<(String, Range<usize>)>,
 }
 
-pub(super) fn motions_chain(station: &DraftStation<'_>, report: &mut Report) {
-    let Some(home) = &station.home else { return };
-    // One unknown motion leaves every later position of an unknown axis in doubt.
-    if station.operations.iter().any(|op| op.motion.is_none()) {
-        return;
+/// Reports a home operation after which the axes are not at home, where they are after another one: nothing is wrong then but where the
+/// cycle begins. The draft goes on without it, since recovery paths, arrows and conflicts would contradict it each for itself.
+pub(in crate::parse) fn wrong_homes(draft: &mut DraftLine<'_>, report: &mut Report) {
+    for station in draft.stations.iter_mut().filter(|station| !station.is_task_driven()) {
+        if let Some(problem) = wrong_home(station) {
+            report.add(problem);
+            station.home = None;
+        }
     }
-    let problems = gaps(station, home.value);
-    if problems.is_empty() {
-        return;
+}
+
+fn wrong_home(station: &DraftStation<'_>) -> Option<Problem> {
+    let home = station.home.as_ref().filter(|_| are_known(station))?;
+    if gaps(station, home.value).is_empty() {
+        return None;
     }
-    let Some(other) = (0..station.operations.len()).map(OpId::at).find(|&op| gaps(station, op).is_empty()) else {
-        problems.into_iter().for_each(|problem| report.add(problem));
-        return;
-    };
-    // Nothing is wrong but where the cycle begins.
+    let other = (0..station.operations.len()).map(OpId::at).find(|&op| gaps(station, op).is_empty())?;
     let name = |op: OpId| station.operation(op).name;
     let message = format!(
         "after `{}` the axes are not where `axes` has them at home; after `{}` they are",
         name(home.value),
         name(other)
     );
-    report.add(
+    Some(
         Problem::error(home.at.clone(), message)
             .hint(format!("`home = \"{}\"`, or give the positions in `axes` at which the cycle begins", name(other))),
-    );
+    )
+}
+
+/// One unknown motion leaves every later position of an unknown axis in doubt.
+fn are_known(station: &DraftStation<'_>) -> bool {
+    station.operations.iter().all(|op| op.motion.is_some())
+}
+
+pub(super) fn motions_chain(station: &DraftStation<'_>, report: &mut Report) {
+    let Some(home) = station.home.as_ref().filter(|_| are_known(station)) else { return };
+    gaps(station, home.value).into_iter().for_each(|problem| report.add(problem));
 }
 
 /// Where motions do not follow each other on their axes, in a cycle that ends with `home`.
@@ -88,7 +100,7 @@ pub(super) fn gap(name: &str, from: f64, at: &Range<usize>, axis: &str, position
 }
 
 pub(super) fn axes_are_moved(station: &DraftStation<'_>, report: &mut Report) {
-    if station.operations.iter().any(|op| op.motion.is_none()) {
+    if !are_known(station) {
         return;
     }
     for (index, (name, _)) in station.raw.axes.iter().enumerate() {
