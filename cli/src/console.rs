@@ -83,7 +83,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut reasons = tokio::time::interval(REASONS_EVERY);
     let mut asked = AskedReasons::default();
     let mut interrupts = Interrupts::listen()?;
-    loop {
+    let ended: miette::Result<()> = loop {
         // A release is taken in before what is held is published.
         while let Ok(event) = events.try_recv() {
             commands.take(console.now(), &client, event);
@@ -92,19 +92,24 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         tokio::select! {
             biased;
             Some(event) = events.recv() => commands.take(console.now(), &client, event),
-            () = interrupts.next() => break,
+            () = interrupts.next() => break Ok(()),
             _ = looks.tick() => {}
             _ = ticks.tick() => drop(frames.send_replace(Some(Arc::new(console.frame(&client, cell.as_ref(), &commands))))),
-            heard = client.next() => if let StateUpdate::Station(id) = heard? {
-                console.station(&client, id);
+            heard = client.next() => match heard {
+                Ok(StateUpdate::Station(id)) => console.station(&client, id),
+                Ok(_) => {}
+                Err(error) => break Err(error),
             },
-            heard = next_of(&mut cell) => heard?,
+            heard = next_of(&mut cell) => if let Err(error) = heard {
+                break Err(error);
+            },
             Some(cycle) = cycles.recv() => console.cycle = Some(cycle),
             known = asked.reply() => console.out_of_service = known,
             _ = reasons.tick() => asked.ask(cell.as_ref(), CellClient::heard_lately),
         }
-    }
-    Ok(ExitCode::SUCCESS)
+    };
+    commands.close(&console.clock, &client).await;
+    ended.map(|()| ExitCode::SUCCESS)
 }
 
 /// What the console keeps beside the newest states.

@@ -22,7 +22,7 @@ use linewright_msgs::{Flag, LineState, StationState, Text};
 use linewright_node_shell::RosArgs;
 use miette::miette;
 
-use held::HeldMotions;
+pub use held::HeldMotions;
 pub use rejoin::{RejoinArgs, rejoin};
 
 use crate::client::OperatorClient;

@@ -348,10 +348,8 @@ receive = [{ message = "GaugeStatus", timeout_ms = 100 }]
     // What leads out of the description's directory is not read, whatever it is.
     for elsewhere in ["../gauge.dbc", "/etc/passwd", "sub/../../gauge.dbc"] {
         let file = scratch.changed(head, &format!("{}\n{head}", frames.replace("gauge.dbc", elsewhere)));
-        let output = linewright(&["check", &file, "--structure", "--json"]);
-        assert_eq!(output.status.code(), Some(1), "{output:?}");
-        let message = json(&output)["problems"][0]["message"].as_str().expect("a message").to_owned();
-        assert!(message.contains(&format!("`{elsewhere}` is not in the directory of the description")), "{message}");
+        let found = json(&linewright(&["check", &file, "--structure", "--json"]));
+        assert!(found["problems"].to_string().contains("is not in the directory of the description"), "{found}");
     }
 }
 

@@ -41,7 +41,7 @@ pub use environment::{EnvironmentError, Range};
 pub use identity::{boot_id, fresh_boot_id, fresh_key, stamp};
 pub use journal::{Journal, JournalError};
 pub use logging::{LoggingError, flush_stderr, init as init_logging, stderr_line};
-pub use pace::{MessagePace, forward_present};
+pub use pace::{MessagePace, forward_present, forward_timely};
 pub use participant::{OpenError, Participant, RosNode, TopicError};
 pub use publisher::{Publisher, SendError};
 pub use recorder::JournalWriter;

@@ -48,29 +48,119 @@ impl MessagePace {
     }
 }
 
-/// Publishers of one topic whose pace is watched. There is one as a rule, and its predecessors.
-const PUBLISHERS_MAX: usize = 8;
-
-/// The paces of all publishers of a topic: what one sends says nothing of another.
-struct PublisherPaces {
-    fresh: MessagePace,
-    known: Vec<([u8; 16], MessagePace)>,
+/// How much later than the fastest message of its publisher a command comes. Only differences of stamps count, so that the clocks need not
+/// agree.
+///
+/// A reliable writer keeps what a reader behind a cut link has not acknowledged, and sends all of it when the link is there again: a
+/// button that was held then, or a command that was given up long ago.
+#[derive(Clone, Debug)]
+struct CommandDelay {
+    /// Difference of arrival and stamp of the fastest, in seconds, and when the last message came.
+    least: Option<(f64, Duration)>,
+    /// The difference of the first of those that are late by as much, and when it came.
+    late: Option<(f64, Duration)>,
 }
 
-impl PublisherPaces {
-    fn offer(&mut self, now: Duration, source: &MessageSource) -> bool {
-        let Some(sent) = source.sent_ns else { return false };
-        let known = self.known.iter().position(|(publisher, _)| *publisher == source.publisher);
+/// A command is late by more than this.
+const LATE_AFTER: Duration = Duration::from_secs(2);
+/// What is late by the same for so long is not kept by the middleware: the publisher's clock was set.
+const SET_AFTER: Duration = Duration::from_secs(5);
+/// By which part of a time two clocks may differ at its end.
+const DRIFT: f64 = 1e-4;
+
+impl CommandDelay {
+    const fn new() -> Self {
+        CommandDelay { least: None, late: None }
+    }
+
+    /// Takes the stamp of a message, in seconds of the publisher's own clock; gives whether it has come in time.
+    fn offer(&mut self, now: Duration, stamp: f64) -> bool {
+        let lag = now.as_secs_f64() - stamp;
+        let least = self.least.map_or(lag, |(least, at)| lag.min(least + now.saturating_sub(at).as_secs_f64() * DRIFT));
+        if lag - least <= LATE_AFTER.as_secs_f64() {
+            (self.least, self.late) = (Some((least, now)), None);
+            return true;
+        }
+        let is_same = |(first, _): &(f64, Duration)| (first - lag).abs() <= LATE_AFTER.as_secs_f64() / 4.0;
+        let (first, since) = self.late.filter(is_same).unwrap_or((lag, now));
+        let is_set = now.saturating_sub(since) >= SET_AFTER;
+        (self.least, self.late) =
+            if is_set { (Some((lag, now)), None) } else { (Some((least, now)), Some((first, since))) };
+        is_set
+    }
+}
+
+/// Publishers of one topic that are told apart. There is one as a rule, and its predecessors.
+const PUBLISHERS_MAX: usize = 8;
+
+/// A value for each publisher of a topic: what one sends says nothing of another.
+struct PerPublisher<T> {
+    fresh: T,
+    /// With the time at which it was asked for last.
+    known: Vec<([u8; 16], Duration, T)>,
+}
+
+impl<T: Clone> PerPublisher<T> {
+    const fn new(fresh: T) -> Self {
+        PerPublisher { fresh, known: Vec::new() }
+    }
+
+    fn of(&mut self, now: Duration, publisher: [u8; 16]) -> &mut T {
+        let known = self.known.iter().position(|(known, ..)| *known == publisher);
         let at = known.unwrap_or_else(|| {
             if self.known.len() == PUBLISHERS_MAX {
-                let longest = (0..self.known.len()).min_by_key(|&at| self.known[at].1.heard);
+                let longest = (0..self.known.len()).min_by_key(|&at| self.known[at].1);
                 self.known.remove(longest.unwrap_or(0));
             }
-            self.known.push((source.publisher, self.fresh.clone()));
+            self.known.push((publisher, now, self.fresh.clone()));
             self.known.len() - 1
         });
-        self.known[at].1.offer(now, sent as f64 / 1e9)
+        self.known[at].1 = now;
+        &mut self.known[at].2
     }
+}
+
+impl PerPublisher<MessagePace> {
+    fn offer(&mut self, now: Duration, source: &MessageSource) -> bool {
+        source.sent_ns.is_some_and(|sent| self.of(now, source.publisher).offer(now, sent as f64 / 1e9))
+    }
+}
+
+impl PerPublisher<CommandDelay> {
+    /// Of a message without a stamp, as no ROS 2 middleware sends, no delay is known.
+    fn offer(&mut self, now: Duration, source: &MessageSource) -> bool {
+        source.sent_ns.is_none_or(|sent| self.of(now, source.publisher).offer(now, sent as f64 / 1e9))
+    }
+}
+
+/// The time that the machine sleeps counts: what was sent meanwhile is not of now when it wakes.
+fn boottime() -> Duration {
+    let time = clock_gettime(ClockId::Boottime);
+    Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec as u32)
+}
+
+/// As [`forward`], of commands and held buttons, and of these only what comes at most two seconds later than the fastest message of its
+/// publisher. `may_be_late`: what is obeyed however late it comes, since it only stops or releases.
+pub fn forward_timely<T, U>(
+    from: Subscription<T>,
+    to: mpsc::Sender<U>,
+    may_be_late: impl Fn(&T) -> bool + Send + 'static,
+    mut map: impl FnMut(T, MessageSource) -> Option<U> + Send + 'static,
+) -> Forward
+where
+    T: RosMessage,
+    U: Send + 'static,
+{
+    let topic = from.topic().to_owned();
+    let mut delays = PerPublisher::new(CommandDelay::new());
+    forward(from, to, move |message, source| {
+        let is_timely = delays.offer(boottime(), &source);
+        if is_timely || may_be_late(&message) {
+            return map(message, source);
+        }
+        tracing::warn!("{topic}: not obeyed, since it came more than {} s late: give it again", LATE_AFTER.as_secs());
+        None
+    })
 }
 
 /// As [`forward`], of whole states that are repeated, and of these only what is of now: nothing that the middleware has kept
@@ -85,13 +175,8 @@ where
     T: RosMessage,
     U: Send + 'static,
 {
-    // The time that the machine sleeps counts: what was sent meanwhile is not of now when it wakes.
-    let now = || {
-        let time = clock_gettime(ClockId::Boottime);
-        Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec as u32)
-    };
-    let mut paces = PublisherPaces { fresh: pace, known: Vec::new() };
-    forward(from, to, move |message, source| if paces.offer(now(), &source) { map(message, source) } else { None })
+    let mut paces = PerPublisher::new(pace);
+    forward(from, to, move |message, source| if paces.offer(boottime(), &source) { map(message, source) } else { None })
 }
 
 #[cfg(test)]
@@ -141,7 +226,7 @@ mod tests {
     /// 30 s of states within 1 s from one publisher do not count, whatever another one of the topic sends meanwhile.
     #[test]
     fn each_publisher_of_a_topic_has_its_own_pace() {
-        let mut paces = PublisherPaces { fresh: MessagePace::new(REFRESH, SILENCE), known: Vec::new() };
+        let mut paces = PerPublisher::new(MessagePace::new(REFRESH, SILENCE));
         let mut offer = |at: u64, publisher: u8, sent: u64| {
             let source = MessageSource {
                 publisher: [publisher; 16],
@@ -161,11 +246,48 @@ mod tests {
 
     #[test]
     fn only_the_publishers_heard_last_are_remembered() {
-        let mut paces = PublisherPaces { fresh: MessagePace::new(REFRESH, SILENCE), known: Vec::new() };
+        let mut paces = PerPublisher::new(MessagePace::new(REFRESH, SILENCE));
         for at in 0..100 {
             let source = MessageSource { publisher: [at; 16], sequence: 1, sent_ns: Some(0), received_ns: None };
             assert!(!paces.offer(Duration::from_millis(at.into()), &source));
         }
-        assert_eq!(paces.known.iter().map(|(publisher, _)| publisher[0]).collect::<Vec<_>>(), Vec::from_iter(92..100));
+        assert_eq!(paces.known.iter().map(|(publisher, ..)| publisher[0]).collect::<Vec<_>>(), Vec::from_iter(92..100));
+    }
+
+    /// Commands by arrival and stamp, in ms here; gives which are obeyed.
+    fn obeyed(messages: impl Iterator<Item = (u64, u64)>) -> Vec<bool> {
+        let mut delay = CommandDelay::new();
+        messages
+            .map(|(arrival, stamp)| delay.offer(Duration::from_millis(arrival), OFFSET + stamp as f64 / 1e3))
+            .collect()
+    }
+
+    #[test]
+    fn commands_that_were_kept_while_a_link_was_cut_are_not_obeyed() {
+        let before = (0..10).map(|nth| (1_000 + nth * 50, 1_000 + nth * 50));
+        // 18 s of a held button within one second, then what is sent now.
+        let kept = (0..360).map(|nth| (20_000 + nth * 1000 / 360, 2_000 + nth * 50));
+        let now = (0..10).map(|nth| (21_100 + nth * 50, 21_100 + nth * 50));
+        let obeyed = obeyed(before.chain(kept).chain(now));
+        assert!(obeyed[..10].iter().all(|obeyed| *obeyed));
+        // Those of the last two seconds may be of now.
+        assert!(!obeyed[10..325].contains(&true), "{:?}", obeyed[10..].iter().position(|obeyed| *obeyed));
+        assert!(obeyed[370..].iter().all(|obeyed| *obeyed));
+    }
+
+    #[test]
+    fn a_first_command_is_obeyed_and_so_are_those_of_a_clock_that_was_set_after_a_while() {
+        assert_eq!(obeyed([(9_000, 1_000)].into_iter()), [true]);
+        // The clock goes back by an hour; a button is held by it for 6 s.
+        let set = (0..121).map(|nth| (4_010_000 + nth * 50, 410_000 + nth * 50));
+        let obeyed = obeyed([(4_000_000, 4_000_000)].into_iter().chain(set));
+        assert!(obeyed[0] && !obeyed[1..101].contains(&true) && obeyed[102..].iter().all(|obeyed| *obeyed));
+    }
+
+    /// A clock that is slow by 50 millionths, and a command a day.
+    #[test]
+    fn a_slow_clock_makes_no_command_late() {
+        let day = 86_400_000;
+        assert!(obeyed((1..30).map(|nth| (nth * day, nth * (day - 4_320)))).iter().all(|obeyed| *obeyed));
     }
 }

@@ -70,7 +70,7 @@ impl RunDirectory {
     }
 
     /// Why auto is not to be given by itself: stations of an earlier run have no journal any more, and what was done to the parts in the
-    /// machine is not known.
+    /// machine is not known. (A cell's log has its parts, and its alarms ask about them.)
     pub fn lost_journals(&self, line: &Line) -> Option<String> {
         let is_used = self.has_journals || self.dir.join(KEPT_IN).exists();
         let is_lost = |name: &&str| !self.dir.join(format!("{name}.journal")).exists();

@@ -128,7 +128,6 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     let own = if args.no_plant { None } else { OwnBuses::create(&about).into_diagnostic()? };
     let bus = BusOptions { dir: own.as_ref().map(|own| own.dir().to_owned()), ..BusOptions::default() };
     let scratch = RunDirectory::new(args.state_dir.as_deref(), &line)?;
-    // A cell's log has its parts, and its alarms ask about them.
     let lost = scratch.lost_journals(&line).filter(|_| cell.is_none());
     nothing_runs_yet(&line, &args, &ros, &bus)?;
     addresses_are_free(&line, &args).await?;

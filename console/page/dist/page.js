@@ -190,47 +190,48 @@ value===null)&&(hold={key,number:last,connection:connection.value,element,pointe
 if(hold===null)return;let{key,number,timer}=hold;clearInterval(timer),hold=null,held.value=null,why!==null&&(ended.value={key,why}),operate({release:{number}})}
 function holds(key,act,may,refuse){return{onPointerDown:event=>{if(event.preventDefault(),!event.isPrimary||event.button!==0)return end(t4.ended_second);let element=event.
 currentTarget;if(element.focus(),!may)return refuse();begin2(key,act,element,{id:event.pointerId,x:event.clientX,y:event.clientY})},onKeyDown:event=>{if(event.code!==
-"Space"){hold!==null&&hold.pointer===null&&end(t4.ended_second);return}if(event.preventDefault(),!event.repeat){if(!may)return refuse();begin2(key,act,event.currentTarget,
-null)}},onContextMenu:event=>event.preventDefault(),onClick:event=>event.preventDefault()}}function watch_holds(){let on=(name2,end_of)=>addEventListener(name2,
-event=>hold?.pointer&&end_of(event),{capture:!0});on("pointermove",event=>{let at2=hold.pointer;event.pointerId===at2.id&&([at2.x,at2.y]=[event.clientX,event.clientY],
-event.buttons===0?end(null):is_inside(hold)||end(t4.ended_left))});for(let name2 of["pointerup","pointercancel"])on(name2,event=>event.pointerId===hold.pointer.
-id&&end(name2==="pointerup"?null:t4.ended_cancelled));let second=event=>{hold!==null&&(end(t4.ended_second),event.stopPropagation())};addEventListener("pointerd\
-own",second,{capture:!0}),document.documentElement.addEventListener("pointerleave",()=>hold?.pointer&&end(t4.ended_left)),addEventListener("keyup",event=>event.
-code==="Space"&&hold!==null&&hold.pointer===null&&end(null),{capture:!0}),addEventListener("keydown",()=>hold!==null&&hold.pointer!==null&&end(t4.ended_second),
-{capture:!0}),addEventListener("blur",()=>end(t4.ended_away)),addEventListener("pagehide",()=>end(t4.ended_away)),document.addEventListener("visibilitychange",()=>document.
-hidden&&end(t4.ended_away)),document.addEventListener("focusout",event=>hold!==null&&event.target===hold.element&&end(t4.ended_left)),on_loss(()=>end(t4.ended_lost))}var SHAPES={1:"M1 1h18v18H1z",2:"M10 1 19 19H1z",3:"M1 1h18L10 19z"};function Priority({of,text}){return a4("span",{class:"priority",children:[a4("svg",{viewBox:"\
+"Space"){hold!==null&&hold.pointer===null&&end(t4.ended_second);return}if(event.preventDefault(),!(event.repeat||event.ctrlKey||event.altKey||event.metaKey)){if(!may)
+return refuse();begin2(key,act,event.currentTarget,null)}},onContextMenu:event=>event.preventDefault(),onClick:event=>event.preventDefault()}}function watch_holds(){
+let on=(name2,end_of)=>addEventListener(name2,event=>hold?.pointer&&end_of(event),{capture:!0});on("pointermove",event=>{let at2=hold.pointer;event.pointerId===
+at2.id&&([at2.x,at2.y]=[event.clientX,event.clientY],event.buttons!==1?end(event.buttons===0?null:t4.ended_second):is_inside(hold)||end(t4.ended_left))});for(let name2 of[
+"pointerup","pointercancel"])on(name2,event=>event.pointerId===hold.pointer.id&&end(name2==="pointerup"?null:t4.ended_cancelled));let second=event=>{hold!==null&&
+(end(t4.ended_second),event.stopPropagation())};addEventListener("pointerdown",second,{capture:!0}),document.documentElement.addEventListener("pointerleave",()=>hold?.
+pointer&&end(t4.ended_left)),addEventListener("keyup",event=>event.code==="Space"&&hold!==null&&hold.pointer===null&&end(null),{capture:!0}),addEventListener("k\
+eydown",event=>hold!==null&&hold.pointer!==null&&(second(event),event.preventDefault()),{capture:!0}),addEventListener("blur",()=>end(t4.ended_away)),addEventListener(
+"pagehide",()=>end(t4.ended_away)),document.addEventListener("visibilitychange",()=>document.hidden&&end(t4.ended_away)),document.addEventListener("focusout",event=>hold!==
+null&&event.target===hold.element&&end(t4.ended_left)),on_loss(()=>end(t4.ended_lost))}var SHAPES={1:"M1 1h18v18H1z",2:"M10 1 19 19H1z",3:"M1 1h18L10 19z"};function Priority({of,text}){return a4("span",{class:"priority",children:[a4("svg",{viewBox:"\
 0 0 20 20",class:`p${of}`,"aria-hidden":"true",children:[a4("path",{d:SHAPES[of]}),a4("text",{x:"10",y:of===3?11:15.5,"text-anchor":"middle",children:of})]}),text]})}
 function HealthSign({of}){return a4("span",{class:`health ${of} value`,children:health[of]})}function List({of}){return a4("ul",{children:of.map((text,at2)=>a4(
 "li",{class:"value",children:text},at2))})}function Heads({of}){return a4("thead",{children:a4("tr",{children:of.map(head=>a4("th",{scope:"col",children:head},head))})})}
 function Named({head,of}){return of.length>0?a4("p",{class:"value",children:`${head}: ${of.join(", ")}`}):null}var asked=y3(null),name=y3("");function has_control(page){return page.control.holder!==null&&page.control.holder.connection===connection.value}var is_stop=act=>"\
-command"in act&&act.command.word==="estop";function why_not(page,button){return lost_for.value!==null&&!is_stop(button.act)?t4.not_live:has_control(page)?button.
-why_not:t4.no_control}function remark(page,button){let{note}=page.control;if(ended.value?.key===button.key)return ended.value.why;if(note!==null&&note.connection===
-connection.value&&note.key===button.key)return note.text;let word="command"in button.act?[button.act.command.word,button.act.command.station].filter(Boolean).join(
-" "):null;return word!==null&&word===page.mode.refused?page.mode.refusal:asked.value?.key===button.key&&asked.value.why===why_not(page,button)?asked.value.why:null}
-function ActButton({page,button}){let why=why_not(page,button),refuse=()=>asked.value=why===null?null:{key:button.key,why},is_hold="press"in button.act,handlers=is_hold?
-holds(button.key,button.act,why===null,refuse):{onClick:()=>{refuse(),ended.value=null,why===null&&operate(button.act)}},label="command"in button.act&&button.act.
-command.station===void 0?command_labels[button.label]??button.label:button.label,is_held=held.value===button.key;return a4("button",{type:"button",class:`${is_hold?
-"hold":""} ${is_stop(button.act)?"stop":""} ${is_held?"is-held":""}`,"aria-disabled":why!==null,"aria-pressed":is_hold?is_held:void 0,"data-key":button.key,...handlers,
-children:[label,is_hold&&a4("small",{children:is_held?t4.is_held:t4.hold_it})]})}function Acts({page,of}){let remarked=of.map(button=>[button.label,remark(page,
-button)]).find(([,text])=>text!==null);return a4($,{children:[a4("div",{class:"acts",children:of.map(button=>a4(ActButton,{page,button},button.key))}),a4("p",{class:"\
-remark",role:"status",children:remarked&&`${remarked[0]}: ${remarked[1]}`})]})}function Control({page}){let{holder,press,note}=page.control,is_own=has_control(page),
-refused=note!==null&&note.connection===connection.value&&note.key==="control"?note.text:null;return a4("div",{class:is_own?"control own":"control",id:"control",
-children:[a4("span",{class:"value",children:[holder===null?t4.control_none:is_own?t4.control_own(holder.since):t4.control_other(holder.name,holder.since),press!==
-null&&` · ${t4.pressed(press.button)}`]}),!is_own&&a4("input",{"aria-label":t4.your_name,placeholder:t4.your_name,maxLength:40,value:name.value,onInput:event=>name.
-value=event.target.value}),a4("button",{type:"button","data-key":"control",onClick:()=>operate(is_own?{give_up:{}}:{take:{name:name.value}}),children:is_own?t4.
-give_up:holder===null?t4.take:t4.take_over}),refused!==null&&a4("span",{class:"remark",role:"status",children:refused})]})}function Plan({page}){let plan=page.plan;
-return plan===null?null:a4("section",{class:"plan",children:[a4("h2",{children:t4.plan}),a4(List,{of:plan.begin}),a4("ol",{children:plan.steps.map((step,at2)=>a4(
-"li",{class:at2===plan.next?"value next":"value","aria-current":at2===plan.next?"step":void 0,children:[step.text,step.since!==null&&a4("p",{children:t4.since(step.
-since)}),a4(List,{of:step.stands.map(t4.stands)})]},at2))}),plan.button!==null&&a4($,{children:[a4("h3",{children:t4.next}),a4(Acts,{page,of:[with_reason(page,plan.
-button)]})]}),a4(List,{of:plan.end})]})}function with_reason(page,button){let{commands,hand,resume,panels}=page.operate,same=[...commands,...hand,resume,...panels.
-flatMap(panel=>[...panel.holds,...panel.selects])].find(of=>of.key===button.key);return same===void 0?button:{...button,why_not:same.why_not}}function Operate({
-page}){let{commands,hand,resume,panels}=page.operate;return a4($,{children:[a4("p",{class:page.mode.is_known?"value text fixed":"value text fixed is-unknown",children:page.
-mode.text}),a4(Acts,{page,of:commands}),a4(Plan,{page}),a4("section",{children:[a4("h2",{children:t4.console_buttons}),a4(Acts,{page,of:[...hand,resume]})]}),panels.
-map((panel,at2)=>{let station=page.stations[at2];return a4("section",{children:[a4("h2",{children:[panel.station," ",station&&a4(HealthSign,{of:station.health})]}),
-a4(Acts,{page,of:[...panel.holds,...panel.selects]}),a4("div",{class:"fixed",children:[station&&a4("p",{class:station.moves?"value moves":"value",children:station.
-unknown??station.operation}),station?.fault&&a4("p",{class:"value fault-text",children:station.fault}),a4("p",{class:"value",children:panel.is_manual===null?t4.
-selector_unknown:t4.selector(panel.is_manual)}),station&&station.waits_for.length>0&&a4($,{children:[a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]})]})]},
-panel.station)})]})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
+command"in act&&act.command.word==="estop";function why_not(page,button){return is_stop(button.act)?button.why_not:lost_for.value!==null?t4.not_live:has_control(
+page)?button.why_not:t4.no_control}function remark(page,button){let{note}=page.control;if(ended.value?.key===button.key)return ended.value.why;if(note!==null&&note.
+connection===connection.value&&note.key===button.key)return note.text;let word="command"in button.act?[button.act.command.word,button.act.command.station].filter(
+Boolean).join(" "):null;return word!==null&&word===page.mode.refused?page.mode.refusal:asked.value?.key===button.key&&asked.value.why===why_not(page,button)?asked.
+value.why:null}function ActButton({page,button}){let why=why_not(page,button),refuse=()=>asked.value=why===null?null:{key:button.key,why},is_hold="press"in button.
+act,handlers=is_hold?holds(button.key,button.act,why===null,refuse):{onClick:()=>{refuse(),ended.value=null,why===null&&operate(button.act)}},label="command"in button.
+act&&button.act.command.station===void 0?command_labels[button.label]??button.label:button.label,is_held=held.value===button.key;return a4("button",{type:"butto\
+n",class:`${is_hold?"hold":""} ${is_stop(button.act)?"stop":""} ${is_held?"is-held":""}`,"aria-disabled":why!==null,"aria-pressed":is_hold?is_held:void 0,"data-\
+key":button.key,...handlers,children:[label,is_hold&&a4("small",{children:is_held?t4.is_held:t4.hold_it})]})}function Acts({page,of}){let remarked=of.map(button=>[
+button.label,remark(page,button)]).find(([,text])=>text!==null);return a4($,{children:[a4("div",{class:"acts",children:of.map(button=>a4(ActButton,{page,button},
+button.key))}),a4("p",{class:"remark",role:"status",children:remarked&&`${remarked[0]}: ${remarked[1]}`})]})}function Control({page}){let{holder,press,note}=page.
+control,is_own=has_control(page),refused=note!==null&&note.connection===connection.value&&note.key==="control"?note.text:null;return a4("div",{class:is_own?"con\
+trol own":"control",id:"control",children:[a4("span",{class:"value",children:[holder===null?t4.control_none:is_own?t4.control_own(holder.since):t4.control_other(
+holder.name,holder.since),press!==null&&` · ${t4.pressed(press.button)}`]}),!is_own&&a4("input",{"aria-label":t4.your_name,placeholder:t4.your_name,maxLength:40,
+value:name.value,onInput:event=>name.value=event.target.value}),a4("button",{type:"button","data-key":"control",onClick:()=>operate(is_own?{give_up:{}}:{take:{name:name.
+value}}),children:is_own?t4.give_up:holder===null?t4.take:t4.take_over}),refused!==null&&a4("span",{class:"remark",role:"status",children:refused})]})}function Plan({
+page}){let plan=page.plan;return plan===null?null:a4("section",{class:"plan",children:[a4("h2",{children:t4.plan}),a4(List,{of:plan.begin}),a4("ol",{children:plan.
+steps.map((step,at2)=>a4("li",{class:at2===plan.next?"value next":"value","aria-current":at2===plan.next?"step":void 0,children:[step.text,step.since!==null&&a4(
+"p",{children:t4.since(step.since)}),a4(List,{of:step.stands.map(t4.stands)})]},at2))}),plan.button!==null&&a4($,{children:[a4("h3",{children:t4.next}),a4(Acts,
+{page,of:[with_reason(page,plan.button)]})]}),a4(List,{of:plan.end})]})}function with_reason(page,button){let{commands,hand,resume,panels}=page.operate,same=[...commands,
+...hand,resume,...panels.flatMap(panel=>[...panel.holds,...panel.selects])].find(of=>of.key===button.key);return same===void 0?button:{...button,why_not:same.why_not}}
+function Operate({page}){let{commands,hand,resume,panels}=page.operate;return a4($,{children:[a4("p",{class:page.mode.is_known?"value text fixed":"value text fi\
+xed is-unknown",children:page.mode.text}),a4(Acts,{page,of:commands}),a4(Plan,{page}),a4("section",{children:[a4("h2",{children:t4.console_buttons}),a4(Acts,{page,
+of:[...hand,resume]})]}),panels.map((panel,at2)=>{let station=page.stations[at2];return a4("section",{children:[a4("h2",{children:[panel.station," ",station&&a4(
+HealthSign,{of:station.health})]}),a4(Acts,{page,of:[...panel.holds,...panel.selects]}),a4("div",{class:"fixed",children:[station&&a4("p",{class:station.moves?"\
+value moves":"value",children:station.unknown??station.operation}),station?.fault&&a4("p",{class:"value fault-text",children:station.fault}),a4("p",{class:"valu\
+e",children:panel.is_manual===null?t4.selector_unknown:t4.selector(panel.is_manual)}),station&&station.waits_for.length>0&&a4($,{children:[a4("p",{children:[t4.
+waits_for,":"]}),a4(List,{of:station.waits_for})]})]})]},panel.station)})]})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
 is-unknown",children:mode.text}),mode.is_enabled===!1&&a4(Named,{head:t4.not_all,of:mode.waiting_for}),mode.refusal&&a4("p",{class:"value",children:mode.refusal}),
 a4(Named,{head:t4.left_out,of:mode.left_out}),a4(Named,{head:t4.restarted,of:mode.restarted}),mode.is_known&&!page.is_cell&&a4("p",{children:[t4.cycle,": ",a4("\
 span",{class:"value",children:mode.cycle?`${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})`:t4.no_cycle})]}),page.next&&a4("p",{class:"next",children:[

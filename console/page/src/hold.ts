@@ -95,7 +95,7 @@ export function holds(key: string, act: Act, may: boolean, refuse: () => void) {
         return;
       }
       event.preventDefault();
-      if (event.repeat) return;
+      if (event.repeat || event.ctrlKey || event.altKey || event.metaKey) return;
       if (!may) return refuse();
       begin(key, act, event.currentTarget as HTMLElement, null);
     },
@@ -113,7 +113,8 @@ export function watch_holds(): void {
     const at = hold!.pointer!;
     if (event.pointerId !== at.id) return;
     [at.x, at.y] = [event.clientX, event.clientY];
-    if (event.buttons === 0) end(null);
+    // A second mouse button has no event of its own.
+    if (event.buttons !== 1) end(event.buttons === 0 ? null : t.ended_second);
     else if (!is_inside(hold!)) end(t.ended_left);
   });
   for (const name of ["pointerup", "pointercancel"]) {
@@ -129,7 +130,7 @@ export function watch_holds(): void {
   // Outside of the window a mouse moves unseen.
   document.documentElement.addEventListener("pointerleave", () => hold?.pointer && end(t.ended_left));
   addEventListener("keyup", (event) => event.code === "Space" && hold !== null && hold.pointer === null && end(null), { capture: true });
-  addEventListener("keydown", () => hold !== null && hold.pointer !== null && end(t.ended_second), { capture: true });
+  addEventListener("keydown", (event) => hold !== null && hold.pointer !== null && (second(event), event.preventDefault()), { capture: true });
   addEventListener("blur", () => end(t.ended_away));
   addEventListener("pagehide", () => end(t.ended_away));
   document.addEventListener("visibilitychange", () => document.hidden && end(t.ended_away));

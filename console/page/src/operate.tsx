@@ -19,7 +19,8 @@ const is_stop = (act: Act) => "command" in act && act.command.word === "estop";
 
 /** Why a button would do nothing now. The stop is given whatever the page shows. */
 function why_not(page: Page, button: OperateButton): string | null {
-  if (lost_for.value !== null && !is_stop(button.act)) return t.not_live;
+  if (is_stop(button.act)) return button.why_not;
+  if (lost_for.value !== null) return t.not_live;
   return has_control(page) ? button.why_not : t.no_control;
 }
 

@@ -51,7 +51,7 @@ const FEED: &str = "/feed";
 
 /// HTTP headers of every response: a page loads and runs scripts and styles of this server alone, nothing is kept in a cache, and no other
 /// page may embed it in a frame.
-const HEADERS: [(header::HeaderName, &str); 6] = [
+const HEADERS: [(header::HeaderName, &str); 7] = [
     (
         header::CONTENT_SECURITY_POLICY,
         "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self'; base-uri 'none'; \
@@ -62,6 +62,7 @@ const HEADERS: [(header::HeaderName, &str); 6] = [
     (header::REFERRER_POLICY, "no-referrer"),
     (header::X_FRAME_OPTIONS, "DENY"),
     (header::HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+    (header::HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
 ];
 
 /// Why a server does not listen.

@@ -151,7 +151,9 @@ impl ControlDesk {
             }
             return effects;
         }
-        if !self.has_control(connection) {
+        let is_stop = matches!(act, PageAct::Command { word, station: None } if ModeCommand::parse(word) == Some(ModeCommand::EStop));
+        // A stop too many costs a reset: it is taken from every page, whatever that shows.
+        if !self.has_control(connection) && !is_stop {
             if !matches!(act, PageAct::Beat { .. } | PageAct::Release { .. }) {
                 self.refuse(connection, act, "not given: this page has no control; take it first".to_owned());
             }
@@ -173,7 +175,6 @@ impl ControlDesk {
             effects.extend(self.holder.take().map(|of| DeskEffect::Log(format!("control given up by {}", of.name))));
             return effects;
         }
-        let is_stop = matches!(act, PageAct::Command { word, station: None } if ModeCommand::parse(word) == Some(ModeCommand::EStop));
         let late = behind(now, operation).filter(|_| !is_stop).map(too_old);
         if let Some(why) = late.or_else(|| why_not(act)) {
             if let PageAct::Press { number, .. } = act {
@@ -195,7 +196,8 @@ impl ControlDesk {
         effects: &mut Vec<DeskEffect>,
     ) {
         self.note = None;
-        let by = self.holder.as_ref().map_or_else(String::new, |of| of.name.clone());
+        let holder = self.holder.as_ref().filter(|of| of.connection == connection).map(|of| of.name.clone());
+        let by = holder.or_else(|| Some(self.open.get(&connection)?.address.clone())).unwrap_or_default();
         match act {
             PageAct::Command { word, station } => {
                 let known = ModeCommand::parse(word);
@@ -272,6 +274,23 @@ impl ControlDesk {
             effects.extend(self.ended(number, button, &end));
         }
         (messages, effects)
+    }
+
+    /// The press that is live: its number and its button.
+    pub fn live(&self) -> Option<(u64, HoldButton)> {
+        self.hold.live()
+    }
+
+    /// The console ends: nobody has control any more.
+    pub fn close(&mut self, now: Duration) -> Vec<DeskEffect> {
+        self.holder.as_ref().map(|of| of.connection).map_or_else(Vec::new, |connection| self.closed(now, connection))
+    }
+
+    /// What the live press leads has arrived.
+    pub fn arrived(&mut self, now: Duration) -> Vec<DeskEffect> {
+        let mut effects = Vec::new();
+        self.end(now, HoldEnd::Arrived, &mut effects);
+        effects
     }
 
     /// Control as it is at this time.

@@ -15,6 +15,10 @@ use linewright_recovery::PanelButton;
 /// Longest time between two beats of a press.
 pub const BEAT_WITHIN: Duration = Duration::from_millis(250);
 
+/// Longest time for which a press is held. A pointer whose release never reaches the browser, as that of a remote desktop that was cut off,
+/// goes on for ever otherwise.
+pub const HELD_AT_MOST: Duration = Duration::from_secs(60);
+
 /// Greatest age of what a page shows while something is commanded or held at it.
 pub const SEEN_WITHIN: Duration = Duration::from_millis(500);
 
@@ -53,6 +57,10 @@ pub enum HoldEnd {
     Released,
     /// No beat for so long.
     NoBeat(Duration),
+    /// Held for [`HELD_AT_MOST`].
+    TooLong,
+    /// What it leads has arrived: held on, it would begin what comes next.
+    Arrived,
     /// The page showed what was so old.
     Behind(Duration),
     /// Something else was done at the page meanwhile.
@@ -77,6 +85,7 @@ struct LivePress {
     button: HoldButton,
     /// *Released* that is still to be published before it.
     before: u8,
+    begun_at: Duration,
     beat_at: Duration,
 }
 
@@ -133,6 +142,10 @@ impl HoldEnd {
             HoldEnd::Behind(age) => {
                 format!("released: the page showed what was {} ms old; let go, then hold it again", age.as_millis())
             }
+            HoldEnd::TooLong => {
+                format!("released: held for {} s; let go, then hold it again", HELD_AT_MOST.as_secs())
+            }
+            HoldEnd::Arrived => "released: it is at its end; let go, then hold it again for what comes next".to_owned(),
             HoldEnd::Another => "released: something else was touched meanwhile; let go, then hold it again".to_owned(),
             HoldEnd::NoControl => "released: this page has no control any more".to_owned(),
             HoldEnd::NotAllowed(why) => format!("released: {why}"),
@@ -145,7 +158,7 @@ impl HoldMachine {
     pub fn press(&mut self, now: Duration, number: u64, button: HoldButton) {
         self.end(now);
         self.releases.retain(|(of, _)| !of.shares_message(button));
-        self.live = Some(LivePress { number, button, before: RELEASES_BEFORE, beat_at: now });
+        self.live = Some(LivePress { number, button, before: RELEASES_BEFORE, begun_at: now, beat_at: now });
     }
 
     /// A beat of this number. One that comes too late ends its press, and one of another number does nothing.
@@ -167,14 +180,17 @@ impl HoldMachine {
         Some(live.button)
     }
 
-    /// Ends the press that is live if no beat of it has come for too long.
+    /// Ends the press that is live if no beat of it has come for too long, or if it was held for too long.
     pub fn expire(&mut self, now: Duration) -> Option<HoldEnd> {
-        let silence = now.saturating_sub(self.live?.beat_at);
-        if silence <= BEAT_WITHIN {
-            return None;
-        }
+        let live = self.live?;
+        let silence = now.saturating_sub(live.beat_at);
+        let end = match () {
+            () if silence > BEAT_WITHIN => HoldEnd::NoBeat(silence),
+            () if now.saturating_sub(live.begun_at) > HELD_AT_MOST => HoldEnd::TooLong,
+            () => return None,
+        };
         self.end(now);
-        Some(HoldEnd::NoBeat(silence))
+        Some(end)
     }
 
     /// The press that is live: its number and its button.

@@ -24,12 +24,17 @@ pub const RESUME_ONLY: &str = "it takes effect in manual only; the mode is";
 /// Why resume does nothing in manual.
 pub const NOTHING_INCOMPLETE: &str = "no operation is incomplete";
 
+const OTHER_DESCRIPTION: &str =
+    "the line runs with another description than this console: end the console, and start it with that of the line";
+
 /// The newest states that are fresh.
 #[derive(Debug)]
 pub struct OperateStates<'s> {
     pub coordinator: Option<&'s LineState>,
     /// In the order of the description.
     pub stations: Vec<Option<&'s StationState>>,
+    /// A node runs with another description than this console.
+    pub is_other_description: bool,
 }
 
 /// What can be done at a page.
@@ -131,6 +136,12 @@ pub fn why_not(
             Some(mode) => (mode != needed).then(|| format!("{why} {}", mode_name(mode))),
         }
     };
+    let is_left_out = |id: StationId| state.left_out.as_slice().contains(&line.station(id).name);
+    let is_received = |id: StationId| states.stations.get(id.index()).copied().flatten().is_some();
+    // Which stations and operations a button means is that description's.
+    if states.is_other_description && matches!(act, PageAct::Press { .. } | PageAct::Select { .. }) {
+        return Some(OTHER_DESCRIPTION.to_owned());
+    }
     match act {
         PageAct::Command { word, station: None } => {
             let possible = possible(state);
@@ -139,10 +150,19 @@ pub fn why_not(
             (!is_possible).then(|| format!("not possible in {}; possible: {}", mode_name(state.mode), names.join(", ")))
         }
         PageAct::Press { station, button, .. } => match HoldButton::named(line, station.as_deref(), button)? {
-            HoldButton::Hand(id) => other_mode(StationState::MODE_HAND, *stations_of(line, &[id]).first()?, HAND_ONLY),
+            // All that it means something to, or is looked at for it.
+            HoldButton::Hand(id) => stations_of(line, &[id])
+                .into_iter()
+                .filter(|id| !is_left_out(*id))
+                .find_map(|id| other_mode(StationState::MODE_HAND, id, HAND_ONLY)),
             HoldButton::Panel(id, _) => other_mode(StationState::MODE_MANUAL, id, PANEL_ONLY),
             HoldButton::Resume if state.mode != StationState::MODE_MANUAL => {
                 Some(format!("{RESUME_ONLY} {}", mode_name(state.mode)))
+            }
+            HoldButton::Resume
+                if let Some(id) = line.station_ids().find(|id| !is_left_out(*id) && !is_received(*id)) =>
+            {
+                Some(format!("no state received from {}", line.station(id).name))
             }
             HoldButton::Resume => {
                 let is_any = states.stations.iter().flatten().any(|of| !of.incomplete.is_empty());

@@ -108,6 +108,7 @@ impl ConsoleView {
         let fresh = OperateStates {
             coordinator: line,
             stations: of.stations.iter().map(|of| of.and_then(|of| of.fresh(limit))).collect(),
+            is_other_description: !of.other_descriptions.is_empty(),
         };
         ConsolePage {
             operate: OperatePart::of(&self.line, &fresh, self.mode_name),

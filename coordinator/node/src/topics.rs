@@ -1,10 +1,11 @@
 //! ROS 2 topics of the coordinator.
 
-use linewright_coordinator_logic::{CompletedCycle, ModeStanding};
+use linewright_coordinator_logic::{CompletedCycle, ModeCommand, ModeStanding};
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{CycleTime, Flag, LineState, ModeOrder, ProcessImage, StationState, Text};
 use linewright_node_shell::{
-    Forward, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, qos, stamp, watch_middleware,
+    Forward, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, forward_timely, qos, stamp,
+    watch_middleware,
 };
 use tokio::sync::mpsc;
 
@@ -80,19 +81,28 @@ pub fn open(
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
         watch_middleware(),
-        forward(node.subscription("mode_cmd", qos::event())?, to.clone(), |m: Text, _| {
-            Some(CoordinatorInbound::Command(m.data))
-        }),
+        forward_timely(
+            node.subscription("mode_cmd", qos::event())?,
+            to.clone(),
+            |m: &Text| m.data.trim() == ModeCommand::EStop.name(),
+            |m, _| Some(CoordinatorInbound::Command(m.data)),
+        ),
         // Another coordinator's; this one's own do not come back from the loopback address.
         forward(node.subscription("mode", qos::repeated())?, to.clone(), |m: ModeOrder, _| {
             Some(CoordinatorInbound::Order { boot_id: m.boot_id, sequence: m.sequence })
         }),
-        forward(node.subscription("buttons", qos::command())?, to.clone(), |m: Text, _| {
-            Some(CoordinatorInbound::Buttons(m.data))
-        }),
-        forward(node.subscription("resume", qos::command())?, to.clone(), |m: Flag, source| {
-            Some(CoordinatorInbound::Resume { console: source.publisher_id(), held: m.data })
-        }),
+        forward_timely(
+            node.subscription("buttons", qos::command())?,
+            to.clone(),
+            |m: &Text| m.data.trim().is_empty(),
+            |m, _| Some(CoordinatorInbound::Buttons(m.data)),
+        ),
+        forward_timely(
+            node.subscription("resume", qos::command())?,
+            to.clone(),
+            |m: &Flag| !m.data,
+            |m, source| Some(CoordinatorInbound::Resume { console: source.publisher_id(), held: m.data }),
+        ),
     ];
     for id in line.station_ids() {
         let station = line.station(id);

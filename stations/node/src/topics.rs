@@ -4,7 +4,8 @@ use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{Flag, ModeOrder, ProcessImage, RunTaskGoal, StationEvent, StationState, Text};
 use linewright_node_line::{ConvertError, of_this_description};
 use linewright_node_shell::{
-    Forward, GoalRequest, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, qos, watch_middleware,
+    Forward, GoalRequest, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, forward_timely, qos,
+    watch_middleware,
 };
 use linewright_station_logic::{LeaveWay, OrderKey};
 use linewright_station_shell::InputsMessage;
@@ -70,18 +71,30 @@ pub fn open(
     let mut tasks = vec![
         watch_middleware(),
         forward(node.subscription("mode", qos::repeated())?, to.clone(), |m, _| Some(StationInbound::Order(m))),
-        forward(node.subscription("~/selector", qos::command())?, to.clone(), |m: Text, _| {
-            Some(StationInbound::Selector(m.data))
-        }),
-        forward(node.subscription("~/rejoin", qos::command())?, to.clone(), |m: Text, _| {
-            Some(StationInbound::Rejoin(m.data))
-        }),
-        forward(node.subscription("~/advance", qos::command())?, to.clone(), |m: Flag, _| {
-            Some(StationInbound::Advance(m.data))
-        }),
-        forward(node.subscription("~/return", qos::command())?, to.clone(), |m: Flag, _| {
-            Some(StationInbound::Retract(m.data))
-        }),
+        forward_timely(
+            node.subscription("~/selector", qos::command())?,
+            to.clone(),
+            |_: &Text| false,
+            |m, _| Some(StationInbound::Selector(m.data)),
+        ),
+        forward_timely(
+            node.subscription("~/rejoin", qos::command())?,
+            to.clone(),
+            |_: &Text| false,
+            |m, _| Some(StationInbound::Rejoin(m.data)),
+        ),
+        forward_timely(
+            node.subscription("~/advance", qos::command())?,
+            to.clone(),
+            |m: &Flag| !m.data,
+            |m, _| Some(StationInbound::Advance(m.data)),
+        ),
+        forward_timely(
+            node.subscription("~/return", qos::command())?,
+            to.clone(),
+            |m: &Flag| !m.data,
+            |m, _| Some(StationInbound::Retract(m.data)),
+        ),
     ];
     let pace = MessagePace::new(line.timing.refresh, line.timing.stale);
     for &peer in peers {
