@@ -210,7 +210,7 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Answer(args) => asynchronous(async move { cell::answer(args, &ros).await }),
         CliCommand::Resource(args) => asynchronous(async move { cell::resource(args, &ros).await }),
         CliCommand::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
-        CliCommand::Console(args) => asynchronous(async move { console::run(args, &ros).await }),
+        CliCommand::Console(args) => logged(&ros, || asynchronous(async { console::run(args, &ros).await })),
         CliCommand::Can(args) => asynchronous(async move { can::run(args, &ros).await }),
         CliCommand::Schema(args) => schema::run(&args),
         CliCommand::Completions(args) => shell::completions(&args),

@@ -101,7 +101,7 @@ pub struct LineSituation {
     pub interrupted: Vec<InterruptedTask>,
     /// What else keeps every mode from being given, in words: a second coordinator, a journal that cannot be written.
     pub obstacles: Vec<String>,
-    /// Stations that the person wants to be led on where *back* is possible too: their parts are seen, and by no state.
+    /// Stations that may not be led back. A person has seen where their part is, which no state shows.
     pub lead_on: Vec<StationId>,
     /// A station whose node runs with another description.
     pub misfit: Option<StationId>,

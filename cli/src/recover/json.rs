@@ -67,8 +67,8 @@ struct LedBackJson {
     /// How many presses of advance lead it on instead; null where advance alone does not.
     presses_on: Option<usize>,
     text: String,
-    /// The arguments of `linewright` that list the other way.
-    arguments: Vec<String>,
+    /// The arguments of `linewright` that list the other way; null where *advance* alone does not lead on.
+    arguments: Option<Vec<String>>,
 }
 
 impl LedBackJson {
@@ -77,7 +77,7 @@ impl LedBackJson {
             station: line.station(back.station).name.clone(),
             presses_on: back.presses_on,
             text: back.text(line),
-            arguments: super::led_on(line, path, back),
+            arguments: back.presses_on.map(|_| super::led_on(line, path, back)),
         }
     }
 }
@@ -96,7 +96,7 @@ struct CauseJson {
 struct StepJson {
     kind: &'static str,
     text: String,
-    /// Why it is there; null where the plan has no other press.
+    /// Why it is there; null of a press alone that leads on.
     reason: Option<String>,
     station: Option<String>,
     /// `advance` or `return`; of a selector `manual` or `auto`.

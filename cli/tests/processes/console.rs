@@ -4,6 +4,7 @@
 //!   linewright run ──▶ nodes ── ROS topics ──▶ linewright console ── WebSocket ──▶ this test, as a page reads
 //! ```
 
+use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
 use std::process::{Child, Stdio};
@@ -85,7 +86,9 @@ impl PageOfConsole {
 /// A console that runs, with the address that it has printed.
 fn console(rig: &Rig) -> (Child, String) {
     let mut command = rig.command(&["console"], &["--listen", "127.0.0.1:0"]);
-    let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().expect("the command starts");
+    let log = File::create(rig.state().join("console.log")).expect("a file");
+    let mut child =
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(log).spawn().expect("the command starts");
     let mut printed = String::new();
     BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut printed).expect("a line");
     let address = printed.trim().strip_prefix("http://").and_then(|rest| rest.strip_suffix('/'));
@@ -217,6 +220,8 @@ fn one_page_commands_a_line_and_what_it_holds_ends_with_it() {
         process.kill().expect("it runs");
     });
     process.wait().expect("a child");
+    let log = std::fs::read_to_string(rig.state().join("console.log")).expect("it is there");
+    assert!(log.contains("console: start commanded by Ada (127.0.0.1:"), "{log}");
     rig.signal("INT");
     rig.ended();
 }

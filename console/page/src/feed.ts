@@ -96,7 +96,7 @@ function take(frame: Frame): void {
   const offset = performance.now() - frame.now_ms;
   least_offset = Math.min(least_offset, offset);
   const late_ms = offset - least_offset;
-  // One connection after the other begins anew where all frames are late, or the clocks of two machines run apart.
+  // A connection whose frames are all late counts as silent, so that the next one measures its offset anew.
   if (late_ms < LOST_AFTER_MS) received_at = performance.now();
   shown.value = { page, now_ms: frame.now_ms, late_ms };
   connection.value = greeted;

@@ -35,7 +35,7 @@ function Banner({ page }: { page: Page }) {
 const had_control = signal(false);
 const lost_control = signal(false);
 
-// That control was taken by another page, until this one takes it again, or it is read.
+// That control was taken by another page, until this one takes it again, or its notice is closed.
 function Taken({ page }: { page: Page }) {
   const has = has_control(page);
   useLayoutEffect(() => {

@@ -142,7 +142,7 @@ function Plan({ page }: { page: Page }) {
   );
 }
 
-/** The button of a step, with the reason that the same button has among the others, and a key of its own. */
+/** The button of a step, with the reason that the same button has among the others. */
 function with_reason(page: Page, button: OperateButton): OperateButton {
   const { commands, hand, resume, panels } = page.operate;
   const all = [...commands, ...hand, resume, ...panels.flatMap((panel) => [...panel.holds, ...panel.selects])];

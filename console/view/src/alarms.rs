@@ -164,7 +164,7 @@ fn waits_for_a_person(state: &LineState) -> Option<String> {
     let (_, why) = state.text.split_once([',', ':'])?;
     let is_new =
         state.left_out.is_empty() || state.text.strip_suffix(&*without).is_none_or(|rest| rest.contains([',', ':']));
-    is_new.then(|| format!("the line stands by:{why}; the steps back: Waiting, or `linewright recover`"))
+    is_new.then(|| format!("the line stands by:{why}; the steps back: Operate, or `linewright recover`"))
 }
 
 /// What the cell reports, the newest first. `now`: the time by the clock of its coordinator, in s since 1970.

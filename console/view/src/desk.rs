@@ -385,7 +385,7 @@ fn named(address: &str, name: &str) -> String {
 fn act_of(line: &Line, button: HoldButton) -> PageAct {
     let (station, button) = match button {
         HoldButton::Hand(_) | HoldButton::Resume => (None, button.name(line)),
-        HoldButton::Panel(id, side) => (Some(line.station(id).name.clone()), crate::hold::panel_word(side).to_owned()),
+        HoldButton::Panel(id, side) => (Some(line.station(id).name.clone()), side.name().to_owned()),
     };
     PageAct::Press { number: 0, station, button }
 }

@@ -93,11 +93,7 @@ impl HoldButton {
     /// The button of this name, of a station's panel where one is named.
     pub fn named(line: &Line, station: Option<&str>, button: &str) -> Option<Self> {
         if let Some(station) = station {
-            let side = match button {
-                "advance" => PanelButton::Advance,
-                "return" => PanelButton::Return,
-                _ => return None,
-            };
+            let side = [PanelButton::Advance, PanelButton::Return].into_iter().find(|side| side.name() == button)?;
             return line.station_named(station).map(|id| HoldButton::Panel(id, side));
         }
         let at = line.buttons.iter().position(|name| name == button);
@@ -112,21 +108,13 @@ impl HoldButton {
         match self {
             HoldButton::Hand(id) => line.buttons.get(usize::from(id.0)).cloned().unwrap_or_default(),
             HoldButton::Resume => RESUME.to_owned(),
-            HoldButton::Panel(id, side) => format!("{} of {}", panel_word(side), line.station(id).name),
+            HoldButton::Panel(id, side) => format!("{} of {}", side.name(), line.station(id).name),
         }
     }
 
     /// Whether both are published as one message: then a release of the one is one of the other.
     fn shares_message(self, other: Self) -> bool {
         self == other || matches!((self, other), (HoldButton::Hand(_), HoldButton::Hand(_)))
-    }
-}
-
-/// A button of a panel by its word.
-pub const fn panel_word(side: PanelButton) -> &'static str {
-    match side {
-        PanelButton::Advance => "advance",
-        PanelButton::Return => "return",
     }
 }
 

@@ -15,7 +15,7 @@ pub enum PageMessage {
     Operated(PageOperation),
 }
 
-/// What an operator does, with the age of what the page showed meanwhile.
+/// What an operator does, with the time of the frame that the page showed meanwhile.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PageOperation {

@@ -8,7 +8,7 @@ use linewright_msgs::{LineState, StationState};
 use linewright_recovery::PanelButton;
 use serde::Serialize;
 
-use crate::hold::{HoldButton, RESUME, panel_word};
+use crate::hold::{HoldButton, RESUME};
 use crate::message::PageAct;
 use crate::texts::coordinator_not_received;
 
@@ -102,7 +102,7 @@ impl OperatePart {
             let name = line.station(id).name.as_str();
             PanelPart {
                 station: name.to_owned(),
-                holds: [PanelButton::Advance, PanelButton::Return].map(|of| hold(Some(name), panel_word(of))).into(),
+                holds: [PanelButton::Advance, PanelButton::Return].map(|of| hold(Some(name), of.name())).into(),
                 selects: [true, false].map(|manual| select(name, manual)).into(),
                 is_manual: states.stations.get(id.index()).copied().flatten().map(|of| of.selector_manual),
             }
@@ -124,7 +124,7 @@ pub fn why_not(
     mode_name: fn(u8) -> &'static str,
 ) -> Option<String> {
     let Some(state) = states.coordinator else {
-        // A command for its own sake, since the coordinator may receive what it does not answer.
+        // The stop is given all the same: a coordinator that is not received may still receive.
         let is_stop =
             matches!(act, PageAct::Command { word, .. } if ModeCommand::parse(word) == Some(ModeCommand::EStop));
         return (!is_stop).then(|| coordinator_not_received(None));

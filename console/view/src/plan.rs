@@ -5,7 +5,7 @@ use linewright_recovery::{RecoveryAction, RecoveryPlan};
 use serde::Serialize;
 
 use crate::bounds;
-use crate::hold::{HoldButton, panel_word};
+use crate::hold::HoldButton;
 use crate::message::PageAct;
 use crate::operate::OperateButton;
 
@@ -67,7 +67,7 @@ fn button(line: &Line, action: &RecoveryAction) -> Option<OperateButton> {
         RecoveryAction::ManualAlone(id) => (format!("manual {}", name(id)), command("manual", Some(name(id)))),
         RecoveryAction::AutoAgain(id) => (format!("auto {}", name(id)), command("auto", Some(name(id)))),
         RecoveryAction::Press(id, side) => {
-            (HoldButton::Panel(id, side).name(line), hold(Some(name(id)), panel_word(side).to_owned()))
+            (HoldButton::Panel(id, side).name(line), hold(Some(name(id)), side.name().to_owned()))
         }
         RecoveryAction::Resume => (HoldButton::Resume.name(line), hold(None, HoldButton::Resume.name(line))),
         RecoveryAction::Hold { button, .. } => {

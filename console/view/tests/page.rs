@@ -155,7 +155,7 @@ fn a_line_that_stands_by_until_a_person_does_something_is_an_alarm_with_what_to_
     {
         let of = shown(text, |_| {});
         let why = text.trim_start_matches("stand-by").trim_start_matches([',', ':']);
-        assert_eq!(of, [format!("the line stands by:{why}; the steps back: Waiting, or `linewright recover`")]);
+        assert_eq!(of, [format!("the line stands by:{why}; the steps back: Operate, or `linewright recover`")]);
     }
     assert_eq!(shown("stand-by, without mill_1: clamp_1: restarted; give start", without).len(), 2);
     // Nor is such a station ready.
