@@ -52,7 +52,9 @@ pub use bounds::{LIST_MAX, TEXT_MAX};
 pub use cell::{CellPart, ShownActivity, ShownOrder, ShownOutage, ShownPart};
 pub use desk::{ConnectionNumber, ControlDesk, ControlPart, DeskEffect, DeskNote, HolderPart, PressPart};
 pub use frame::{PageChange, PageFeed, PageFrame, PageFrameError, PageReader};
-pub use hold::{BEAT_WITHIN, HoldButton, HoldEnd, HoldMachine, HoldMessage, PUBLISH_EVERY, RESUME, SEEN_WITHIN};
+pub use hold::{
+    BEAT_WITHIN, HELD_AT_MOST, HoldButton, HoldEnd, HoldMachine, HoldMessage, PUBLISH_EVERY, RESUME, SEEN_WITHIN,
+};
 pub use lanes::{LANE_WINDOW, LaneRow, LaneStretch, STRETCHES_MAX, StationLanes, StretchKind};
 pub use message::{PAGE_MESSAGE_MAX, PageAct, PageMessage, PageMessageError, PageOperation};
 pub use next::{NextStep, asks_to_confirm};
