@@ -43,8 +43,10 @@ fn cannot_read(path: &Path, error: &io::Error) -> miette::Report {
     }
 }
 
-/// The path of a file that a description in `dir` names. Whoever runs it has rights that its author may not have, and errors show what stands
-/// in files: so it names what is in its directory or below. A symbolic link there may lead elsewhere, since the user has made it.
+/// The path of a file (EDS, DCF, DBC) that a description in the directory `dir` names: in that directory or below it.
+///
+/// The user of a description may read files that its author may not, and error messages quote lines of a file that is wrong. A symbolic link
+/// in the directory may lead elsewhere: the user has made it.
 ///
 /// # Errors
 /// When the name leads out of the directory.

@@ -301,9 +301,7 @@ fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<Strin
         }
     }
     lines.extend(plan.end_text(line));
-    if !plan.is_shortest {
-        lines.push("there may be a shorter way: the search was ended".to_owned());
-    }
+    lines.extend(plan.shorter_text().map(str::to_owned));
     if is_over {
         lines.push("nothing to do".to_owned());
         let left_out = client.coordinator().map(|state| state.left_out.join(", ")).filter(|names| !names.is_empty());

@@ -339,6 +339,11 @@ impl RecoveryPlan {
         })
     }
 
+    /// That a shorter list may exist, where the search was ended at its bound.
+    pub fn shorter_text(&self) -> Option<&'static str> {
+        (!self.is_shortest).then_some("there may be a shorter way: the search was ended")
+    }
+
     /// What is to be known of its end: what auto does then, or why it does not lead there.
     pub fn end_text(&self, line: &Line) -> Vec<String> {
         match &self.end {

@@ -24,12 +24,12 @@ const COLUMNS: [(&str, &str); 10] = [
     ("tables", "tables"),
 ];
 
-/// What is known without exploration, in words.
+/// The warnings and the results of the structure, as lines of text: they need no exploration, and are printed before it begins.
 pub fn structure(report: &CheckReport) -> String {
     written(report, of_structure)
 }
 
-/// The rest, in words, with the summary of all of it.
+/// The results of the exploration and what is left undecided, as lines of text; the last of them sums up the whole check.
 pub fn explored(report: &CheckReport) -> String {
     written(report, of_rest)
 }

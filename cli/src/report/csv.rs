@@ -1,8 +1,8 @@
 //! The same as tables: a directory with a file for events, activities, parts and orders each, for other computations.
 //! RFC 4180; a first row of names, times as the report has them and beside that in microseconds.
 //!
-//! Names of orders and texts come from anybody who may submit one. A spreadsheet computes what begins as a formula does, and a
-//! formula can open addresses and start programs: such a text has an apostrophe before it, which marks it as a text there.
+//! An order may be named by every client that may submit one. A spreadsheet takes a cell that begins with `=`, `+`, `-` or `@` for a formula,
+//! and a formula can open addresses and start programs: such a cell has an apostrophe before it, by which spreadsheets take it for text.
 
 use std::borrow::Cow;
 use std::fs::File;

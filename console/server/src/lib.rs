@@ -30,5 +30,5 @@ mod server;
 
 pub use origin::{OwnNames, RequestRefusal};
 pub use page::{ASSETS, Asset};
-pub use reader::{ACK_WITHIN, MESSAGE_MAX, MESSAGES_MAX, PageEvent, PageEventKind};
+pub use reader::{ACK_WITHIN, MESSAGES_MAX, PageEvent, PageEventKind};
 pub use server::{CONNECTIONS_MAX, ListenError, NewestFrame, PageServer, READERS_MAX};

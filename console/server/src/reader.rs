@@ -6,7 +6,7 @@ use std::time::Duration;
 use axum::extract::ws::{Message, WebSocket};
 use futures::stream::SplitSink;
 use futures::{SinkExt, StreamExt};
-use linewright_console_view::{ConnectionNumber, PAGE_MESSAGE_MAX, PageFrame, PageMessage, PageOperation};
+use linewright_console_view::{ConnectionNumber, PageFrame, PageMessage, PageOperation};
 use tokio::sync::mpsc;
 use tokio::time::{Instant, sleep_until, timeout_at};
 
@@ -14,9 +14,6 @@ use crate::server::NewestFrame;
 
 /// Time in which a reader acknowledges a frame. One that takes longer is dropped, and may connect again.
 pub const ACK_WITHIN: Duration = Duration::from_secs(5);
-
-/// Most bytes of what a reader sends.
-pub const MESSAGE_MAX: usize = PAGE_MESSAGE_MAX;
 
 /// Most messages of a reader between two frames, pings among them.
 pub const MESSAGES_MAX: u32 = 16;

@@ -16,7 +16,7 @@ use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
-use linewright_console_view::PageFrame;
+use linewright_console_view::{PAGE_MESSAGE_MAX, PageFrame};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, mpsc, watch};
 use tokio::time::timeout;
@@ -194,7 +194,7 @@ async fn open_feed(
         let text = format!("{READERS_MAX} readers are served already; close a page of the console first");
         return (StatusCode::SERVICE_UNAVAILABLE, text).into_response();
     };
-    let upgrade = upgrade.max_message_size(reader::MESSAGE_MAX).max_frame_size(reader::MESSAGE_MAX);
+    let upgrade = upgrade.max_message_size(PAGE_MESSAGE_MAX).max_frame_size(PAGE_MESSAGE_MAX);
     upgrade.on_upgrade(move |socket| async move {
         let number = feed.number.fetch_add(1, Ordering::Relaxed) + 1;
         reader::serve(socket, feed.frames, number, from.to_string(), feed.events).await;

@@ -26,7 +26,7 @@ pub type ConnectionNumber = u64;
 /// What a desk has to be done.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DeskEffect {
-    /// A command to the coordinator, in its words.
+    /// A mode command to be sent to the coordinator, as its topic `mode_cmd` has it, e.g. `auto` or `manual robot`.
     Command(String),
     /// A station's selector: true is manual.
     Select(StationId, bool),
@@ -37,7 +37,7 @@ pub enum DeskEffect {
 /// Control, as a page shows it.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ControlPart {
-    /// None: nobody has it, and nothing can be commanded.
+    /// The connection in control. Without one no page can give anything but *estop*.
     pub holder: Option<HolderPart>,
     /// The press that is held now.
     pub press: Option<PressPart>,
@@ -95,20 +95,17 @@ pub struct ControlDesk {
     open: BTreeMap<ConnectionNumber, OpenPage>,
     holder: Option<ControlHolder>,
     hold: HoldMachine,
-    /// The key of the button that is held, or was last.
-    key: String,
     note: Option<DeskNote>,
 }
 
 impl ControlDesk {
-    /// Nobody has control.
+    /// A desk without connections, and so without one in control.
     pub fn new(line: &Line) -> Self {
         ControlDesk {
             line: line.clone(),
             open: BTreeMap::new(),
             holder: None,
             hold: HoldMachine::default(),
-            key: String::new(),
             note: None,
         }
     }
@@ -225,7 +222,6 @@ impl ControlDesk {
                 if was_held || !is_new {
                     return self.refuse(connection, act, HoldEnd::Another.text().unwrap_or_default());
                 }
-                self.key = act.key().unwrap_or_default();
                 self.hold.press(now, *number, button);
                 effects.push(DeskEffect::Log(format!("{} held by {by}", button.name(&self.line))));
             }
@@ -247,7 +243,7 @@ impl ControlDesk {
         } else if number != live {
             Some(HoldEnd::Another)
         } else {
-            why_not(&act_of(&self.line, button)).map(HoldEnd::NotAllowed)
+            why_not(&button.act(&self.line)).map(HoldEnd::NotAllowed)
         };
         match end {
             Some(end) => self.end(now, end, effects),
@@ -266,7 +262,7 @@ impl ControlDesk {
     ) -> (Vec<HoldMessage>, Vec<DeskEffect>) {
         let mut effects = Vec::new();
         let live = self.hold.live();
-        if let Some(why) = live.and_then(|(_, button)| why_not(&act_of(&self.line, button))) {
+        if let Some(why) = live.and_then(|(_, button)| why_not(&button.act(&self.line))) {
             self.end(now, HoldEnd::NotAllowed(why), &mut effects);
         }
         let (messages, end) = self.hold.due(now);
@@ -281,7 +277,7 @@ impl ControlDesk {
         self.hold.live()
     }
 
-    /// The console ends: nobody has control any more.
+    /// Ends control and what is held, when the console ends.
     pub fn close(&mut self, now: Duration) -> Vec<DeskEffect> {
         self.holder.as_ref().map(|of| of.connection).map_or_else(Vec::new, |connection| self.closed(now, connection))
     }
@@ -349,7 +345,8 @@ impl ControlDesk {
         let text = end.text();
         let log = DeskEffect::Log(format!("{name} {}", text.as_deref().unwrap_or("released")));
         let connection = self.holder.as_ref()?.connection;
-        self.note = text.map(|text| DeskNote { connection, key: self.key.clone(), press: Some(number), text });
+        let key = button.act(&self.line).key().unwrap_or_default();
+        self.note = text.map(|text| DeskNote { connection, key, press: Some(number), text });
         Some(log)
     }
 
@@ -380,12 +377,4 @@ fn too_old(age: Duration) -> String {
 fn named(address: &str, name: &str) -> String {
     let name: String = name.trim().chars().filter(|of| !of.is_control()).take(NAME_MAX).collect();
     if name.is_empty() { address.to_owned() } else { format!("{name} ({address})") }
-}
-
-fn act_of(line: &Line, button: HoldButton) -> PageAct {
-    let (station, button) = match button {
-        HoldButton::Hand(_) | HoldButton::Resume => (None, button.name(line)),
-        HoldButton::Panel(id, side) => (Some(line.station(id).name.clone()), side.name().to_owned()),
-    };
-    PageAct::Press { number: 0, station, button }
 }

@@ -12,6 +12,8 @@ use std::time::Duration;
 use linewright_line::{ButtonId, Line, StationId};
 use linewright_recovery::PanelButton;
 
+use crate::message::PageAct;
+
 /// Longest time between two beats of a press.
 pub const BEAT_WITHIN: Duration = Duration::from_millis(250);
 
@@ -112,6 +114,15 @@ impl HoldButton {
         }
     }
 
+    /// What a page does to press it. Number 0: the page puts its own in.
+    pub(crate) fn act(self, line: &Line) -> PageAct {
+        let (station, button) = match self {
+            HoldButton::Hand(_) | HoldButton::Resume => (None, self.name(line)),
+            HoldButton::Panel(id, side) => (Some(line.station(id).name.clone()), side.name().to_owned()),
+        };
+        PageAct::Press { number: 0, station, button }
+    }
+
     /// Whether both are published as one message: then a release of the one is one of the other.
     fn shares_message(self, other: Self) -> bool {
         self == other || matches!((self, other), (HoldButton::Hand(_), HoldButton::Hand(_)))
@@ -158,18 +169,17 @@ impl HoldMachine {
         end
     }
 
-    /// Ends the press that is live; gives its button.
-    pub fn end(&mut self, now: Duration) -> Option<HoldButton> {
-        let live = self.live.take()?;
+    /// Ends the press that is live.
+    pub fn end(&mut self, now: Duration) {
+        let Some(live) = self.live.take() else { return };
         self.releases.retain(|(of, _)| !of.shares_message(live.button));
         self.releases.push((live.button, RELEASES_AFTER));
         // The first of them goes at once.
         self.next_at = now;
-        Some(live.button)
     }
 
     /// Ends the press that is live if no beat of it has come for too long, or if it was held for too long.
-    pub fn expire(&mut self, now: Duration) -> Option<HoldEnd> {
+    fn expire(&mut self, now: Duration) -> Option<HoldEnd> {
         let live = self.live?;
         let silence = now.saturating_sub(live.beat_at);
         let end = match () {

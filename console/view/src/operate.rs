@@ -90,10 +90,7 @@ impl OperatePart {
             let word = command.name().to_owned();
             button(command.name(), PageAct::Command { word, station: None })
         };
-        let hold = |station: Option<&str>, word: &str| {
-            let act = PageAct::Press { number: 0, station: station.map(str::to_owned), button: word.to_owned() };
-            button(word, act)
-        };
+        let hold = |label: &str, of: HoldButton| button(label, of.act(line));
         let select = |station: &str, manual: bool| {
             let label = if manual { "selector to manual" } else { "selector to auto" };
             button(label, PageAct::Select { station: station.to_owned(), manual })
@@ -102,15 +99,22 @@ impl OperatePart {
             let name = line.station(id).name.as_str();
             PanelPart {
                 station: name.to_owned(),
-                holds: [PanelButton::Advance, PanelButton::Return].map(|of| hold(Some(name), of.name())).into(),
+                holds: [PanelButton::Advance, PanelButton::Return]
+                    .map(|of| hold(of.name(), HoldButton::Panel(id, of)))
+                    .into(),
                 selects: [true, false].map(|manual| select(name, manual)).into(),
                 is_manual: states.stations.get(id.index()).copied().flatten().map(|of| of.selector_manual),
             }
         };
         OperatePart {
             commands: ModeCommand::ALL.map(command).into(),
-            hand: line.buttons.iter().map(|name| hold(None, name)).collect(),
-            resume: hold(None, RESUME),
+            hand: line
+                .buttons
+                .iter()
+                .enumerate()
+                .map(|(at, name)| hold(name, HoldButton::Hand(ButtonId::at(at))))
+                .collect(),
+            resume: hold(RESUME, HoldButton::Resume),
             panels: line.station_ids().map(panel).collect(),
         }
     }

@@ -46,7 +46,7 @@ impl PlanPart {
             stands: bounds::texts(&step.stands(line)),
         });
         let next = plan.behind_signals();
-        let shortest = (!plan.is_shortest).then(|| "there may be a shorter way: the search was ended".to_owned());
+        let shortest = plan.shorter_text().map(str::to_owned);
         PlanPart {
             begin: bounds::texts(&begin),
             steps: steps.collect(),
@@ -61,19 +61,14 @@ impl PlanPart {
 fn button(line: &Line, action: &RecoveryAction) -> Option<OperateButton> {
     let name = |id| line.station(id).name.clone();
     let command = |word: &str, station| PageAct::Command { word: word.to_owned(), station };
-    let hold = |station, button: String| PageAct::Press { number: 0, station, button };
+    let hold = |of: HoldButton| (of.name(line), of.act(line));
     let (label, act) = match *action {
         RecoveryAction::Command(of) => (of.name().to_owned(), command(of.name(), None)),
         RecoveryAction::ManualAlone(id) => (format!("manual {}", name(id)), command("manual", Some(name(id)))),
         RecoveryAction::AutoAgain(id) => (format!("auto {}", name(id)), command("auto", Some(name(id)))),
-        RecoveryAction::Press(id, side) => {
-            (HoldButton::Panel(id, side).name(line), hold(Some(name(id)), side.name().to_owned()))
-        }
-        RecoveryAction::Resume => (HoldButton::Resume.name(line), hold(None, HoldButton::Resume.name(line))),
-        RecoveryAction::Hold { button, .. } => {
-            let word = HoldButton::Hand(button).name(line);
-            (word.clone(), hold(None, word))
-        }
+        RecoveryAction::Press(id, side) => hold(HoldButton::Panel(id, side)),
+        RecoveryAction::Resume => hold(HoldButton::Resume),
+        RecoveryAction::Hold { button, .. } => hold(HoldButton::Hand(button)),
         RecoveryAction::Selector(station, manual) => {
             let to = if manual { "manual" } else { "auto" };
             (format!("selector of {} to {to}", name(station)), PageAct::Select { station: name(station), manual })

@@ -57,13 +57,13 @@ enum ConsideredWaits {
 pub enum Gap {
     /// In forward motion, for certain.
     #[error("forward motion can reach it: {0}")]
-    Forward(Overlap),
+    Forward(ChartOverlap),
     /// Forward motion keeps them apart, but only because operations side by side start together.
     #[error(
         "forward motion keeps them apart, but of operations side by side one can be taken back alone, and then {0}; an \
          arrow of its own to each of them would hold"
     )]
-    TakenBack(Overlap),
+    TakenBack(ChartOverlap),
 }
 
 impl Gap {
@@ -77,7 +77,7 @@ impl Gap {
 /// How two states come to overlap.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{text}")]
-pub struct Overlap {
+pub struct ChartOverlap {
     pub text: String,
     /// The arrows that the text names, by their place in the line.
     pub arrows: Vec<usize>,
@@ -186,7 +186,7 @@ impl<'a> Lags<'a> {
         sum.is_some_and(|sum| sum <= SUM_MAX)
     }
 
-    fn gaps(&mut self, conflict: &Conflict, waits: ConsideredWaits) -> Result<(), Overlap> {
+    fn gaps(&mut self, conflict: &Conflict, waits: ConsideredWaits) -> Result<(), ChartOverlap> {
         let (line, Conflict { a, b, .. }) = (self.chart.line, conflict);
         let advice = match self.missing(a, b, waits) {
             Some(arrow) => format!("; an arrow {} in both modes does", written(line, &arrow)),
@@ -200,7 +200,7 @@ impl<'a> Lags<'a> {
                 let (from, to) = (full_name(line, from), full_name(line, to));
                 let unseen = format!("nothing in both modes makes `{to}` wait for `{from}`");
                 match (late, swapped) {
-                    (Some((late, arrows)), _) => Overlap {
+                    (Some((late, arrows)), _) => ChartOverlap {
                         text: format!(
                             "an arrow makes `{to}` wait for an end of `{from}` that is too many cycles back: {late}; a \
                              lag of {SUM_MAX} is the most that keeps the two apart"
@@ -211,9 +211,9 @@ impl<'a> Lags<'a> {
                         let (from, to) = (line.arrows[at].from, line.arrows[at].to);
                         let (from, to) = (full_name(line, from), full_name(line, to));
                         let text = format!("{unseen}; the arrow from `{from}` to `{to}` may be the wrong way round");
-                        Overlap { text, arrows: vec![at] }
+                        ChartOverlap { text, arrows: vec![at] }
                     }
-                    (None, None) => Overlap { text: format!("{unseen}{advice}"), arrows: Vec::new() },
+                    (None, None) => ChartOverlap { text: format!("{unseen}{advice}"), arrows: Vec::new() },
                 }
             })
         };
@@ -232,7 +232,7 @@ fn crosses(span: &StateSpan) -> u32 {
 }
 
 /// How two states overlap that each begin only after an end of the other, each with the number of cycles back of that end.
-fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u32)) -> Overlap {
+fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u32)) -> ChartOverlap {
     let waits = |state: &StateSpan, lag: u32, other: &StateSpan| {
         let cycle = match lag {
             0 => "in the same cycle".to_owned(),
@@ -254,10 +254,10 @@ fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u
         );
     }
     let Some((written, arrows)) = arrows_between(line, a.station, b.station, |_| true) else {
-        return Overlap { text, arrows: Vec::new() };
+        return ChartOverlap { text, arrows: Vec::new() };
     };
     text += &format!("; an arrow may be the wrong way round: {written}");
-    Overlap { text, arrows }
+    ChartOverlap { text, arrows }
 }
 
 /// The arrows between two stations, as they are written, with their places in the line; none where there is none of these.
