@@ -21,7 +21,9 @@ use linewright_coordinator_cell::{OrderKey, RecordKind};
 use linewright_history::HistoryReader;
 use linewright_line::Tick;
 use linewright_msgs::{OrderState, RunTask, RunTaskGoal, RunTaskResult};
-use linewright_node_shell::{GoalEnd, GoalRequest, Mapping, Participant, RosArgs, forward, qos, serve_action};
+use linewright_node_shell::{
+    GoalAsked, GoalEnd, GoalRequest, Mapping, Participant, RosArgs, forward, qos, serve_action,
+};
 use tokio::sync::mpsc;
 
 #[path = "../tests/support/faster.rs"]
@@ -84,7 +86,7 @@ async fn ping() -> Result<Vec<Duration>> {
     tokio::spawn(async move {
         let mut sequence = 0;
         while let Some(asked) = asked.recv().await {
-            if let GoalRequest::Goal(asked, goal) = asked {
+            if let GoalRequest { goal: asked, asked: GoalAsked::New(goal), .. } = asked {
                 sequence += 1;
                 let doing = (goal.epoch, goal.id);
                 let mut message =

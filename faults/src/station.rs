@@ -194,7 +194,8 @@ impl World {
         let mut effects = Vec::new();
         match message {
             Message::Order { sequence, order } => {
-                shell.handle(local, StationArrival::Order { sequence: *sequence, order: *order }, &mut effects);
+                let (sequence, order) = (*sequence, *order);
+                shell.handle(local, StationArrival::Order { sequence, from: [0; 12], order }, &mut effects);
             }
             Message::State { station, sequence, report, .. } => {
                 let (station, sequence) = (*station, *sequence);

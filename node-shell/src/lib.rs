@@ -32,7 +32,8 @@ mod threads;
 mod watchdog;
 
 pub use action::{
-    ActionCaller, ActionOffer, ActionOwner, GoalEnd, GoalError, GoalHandle, GoalOutcome, GoalRequest, serve_action,
+    ActionCaller, ActionOffer, ActionOwner, GoalAsked, GoalEnd, GoalError, GoalHandle, GoalOutcome, GoalRequest,
+    serve_action,
 };
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
 pub use caller::{CallError, Caller, Mapping};

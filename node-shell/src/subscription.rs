@@ -24,12 +24,24 @@ pub struct MessageSource {
 }
 
 impl MessageSource {
+    /// The participant (the process, in the rule) that the publisher belongs to: the prefix of its identity.
+    pub fn participant(&self) -> [u8; 12] {
+        participant_of(&self.publisher)
+    }
+
     /// The publisher's identity as a number. Two publishers have the same one as seldom as two random numbers are equal.
     pub fn publisher_id(&self) -> u64 {
         // FNV-1a: every byte of the identity decides, whichever of them differ.
         let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
         self.publisher.iter().fold(0xcbf2_9ce4_8422_2325, mix)
     }
+}
+
+/// The participant of a publisher or client, by the first twelve of its sixteen bytes (DDSI-RTPS 2.5, 8.2.4.1, GUID prefix).
+pub(crate) fn participant_of(identity: &[u8; 16]) -> [u8; 12] {
+    let mut prefix = [0; 12];
+    prefix.copy_from_slice(&identity[..12]);
+    prefix
 }
 
 /// The subscription is over.

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use linewright_msgs::{RunTask, RunTaskFeedback, RunTaskGoal, RunTaskResult};
 use linewright_node_shell::{
-    ActionCaller, ActionOwner, GoalEnd, GoalHandle, GoalOutcome, GoalRequest, Mapping, Participant, RosArgs, RosNode,
-    serve_action,
+    ActionCaller, ActionOwner, GoalAsked, GoalEnd, GoalHandle, GoalOutcome, GoalRequest, Mapping, Participant, RosArgs,
+    RosNode, serve_action,
 };
 use tokio::sync::mpsc;
 
@@ -40,8 +40,8 @@ fn ended(goal: &RunTaskGoal, end: u8, code: u16) -> RunTaskResult {
 async fn station(mut from: mpsc::Receiver<GoalRequest<RunTaskGoal>>, owner: ActionOwner<RunTask>) {
     let mut held = Vec::new();
     while let Some(asked) = from.recv().await {
-        match asked {
-            GoalRequest::Goal(id, goal) => match goal.task.as_str() {
+        match (asked.goal, asked.asked) {
+            (id, GoalAsked::New(goal)) => match goal.task.as_str() {
                 "clamp" => {
                     let phase = RunTaskFeedback::PHASE_RUNNING;
                     owner.feedback(id, RunTaskFeedback { phase, operation: "close".into(), step: 1, steps: 1 });
@@ -54,7 +54,7 @@ async fn station(mut from: mpsc::Receiver<GoalRequest<RunTaskGoal>>, owner: Acti
                     owner.end(id, GoalEnd::Aborted, ended(&goal, RunTaskResult::END_REFUSED, code));
                 }
             },
-            GoalRequest::Cancel(id) => {
+            (id, GoalAsked::Cancel) => {
                 held.retain(|(other, goal)| {
                     if *other == id {
                         owner.end(id, GoalEnd::Canceled, ended(goal, RunTaskResult::END_SECURED, 0));

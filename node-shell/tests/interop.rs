@@ -9,7 +9,7 @@
 use linewright_msgs::{
     Answer, CORead, CoReadRequest, CoReadResponse, RunTask, RunTaskFeedback, RunTaskResult, StationState, Text,
 };
-use linewright_node_shell::{GoalEnd, GoalRequest, Participant, RosArgs, qos, serve, serve_action, stamp};
+use linewright_node_shell::{GoalAsked, GoalEnd, GoalRequest, Participant, RosArgs, qos, serve, serve_action, stamp};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -136,7 +136,7 @@ async fn an_action_is_asked_for() {
     let result = |id, end, text: &str| RunTaskResult { epoch: 1, id, end, code: 0, text: text.to_owned() };
     while !said.is_finished() {
         match timeout(Duration::from_millis(100), from.recv()).await {
-            Ok(Some(GoalRequest::Goal(goal, asked))) => {
+            Ok(Some(GoalRequest { goal, asked: GoalAsked::New(asked), .. })) => {
                 let names = (asked.task.as_str(), &asked.parameter_names[..], &asked.parameters[..]);
                 assert_eq!((names.1, names.2, asked.part.as_str()), (&["slot".to_owned()][..], &[-3][..], "part 7"));
                 if names.0 == "clamp" {
@@ -149,7 +149,7 @@ async fn an_action_is_asked_for() {
                     owner.end(goal, GoalEnd::Succeeded, result(asked.id, RunTaskResult::END_DONE, "done"));
                 }
             }
-            Ok(Some(GoalRequest::Cancel(goal))) => {
+            Ok(Some(GoalRequest { goal, asked: GoalAsked::Cancel, .. })) => {
                 owner.end(goal, GoalEnd::Canceled, result(6, RunTaskResult::END_SECURED, "secured"));
             }
             Ok(None) | Err(_) => {}

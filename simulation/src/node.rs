@@ -7,11 +7,14 @@ use linewright_coordinator_logic::StationView;
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, CoordinatorShell, heard};
 use linewright_line::{Line, StationId, Tick};
 use linewright_station_logic::{CompileError, Controller, Restore, StationReport, StationSnapshot};
-use linewright_station_shell::{StationArrival, StationEffect, StationShell};
+use linewright_station_shell::{ParticipantId, StationArrival, StationEffect, StationShell};
 
 use crate::field::SeenInputs;
 use crate::link::{LinkPayload, WholeMessage};
 use crate::options::SimOptions;
+
+/// Participant of the coordinator, the only sender of orders here.
+const COORDINATOR: ParticipantId = [1; 12];
 
 /// A station's process.
 pub(crate) struct StationNode {
@@ -92,10 +95,12 @@ impl StationNode {
         let (station, sequence) = (StationId::at(from), self.taken);
         let arrival = match said {
             LinkPayload::Report(report) => StationArrival::State { station, sequence, report },
-            LinkPayload::Order(order) => StationArrival::Order { sequence, order: *order },
+            LinkPayload::Order(order) => StationArrival::Order { sequence, from: COORDINATOR, order: *order },
             LinkPayload::Whole(message) => match &message.said {
                 WholeMessage::Report(report) => StationArrival::State { station, sequence: message.number, report },
-                WholeMessage::Order(order) => StationArrival::Order { sequence: message.number, order: *order },
+                WholeMessage::Order(order) => {
+                    StationArrival::Order { sequence: message.number, from: COORDINATOR, order: *order }
+                }
                 WholeMessage::Inputs(image) => StationArrival::Inputs(*image),
                 WholeMessage::Heard(_) | WholeMessage::Outputs(_) => return,
             },

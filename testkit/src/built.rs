@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use linewright_line::{
     Arrow, Axis, AxisId, ButtonId, Console, DeviceBus, HandMode, HandType, InputId, Line, MaterialFlow, Motion,
-    MotionSignals, OpId, Operation, OperationModule, OutputId, Panel, Station, StationId, Timing,
+    MotionSignals, OpId, Operation, OperationModule, OutputId, Panel, Station, StationId, TaskOrderSource, Timing,
 };
 
 /// One operation to be built.
@@ -110,6 +110,7 @@ pub fn station(name: &str, home: usize, ops: &[Op], first_button: u16, share: bo
         steps,
         rests: Vec::new(),
         tasks: Vec::new(),
+        order_source: TaskOrderSource::Coordinator,
     }
 }
 

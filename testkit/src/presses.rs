@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use linewright_line::{
     Axis, AxisId, ButtonId, Console, Device, DeviceBus, DeviceKind, HandMode, InputId, Line, MaterialFlow, Motion,
-    MotionSignals, OpId, Operation, OperationModule, OutputId, Owner, Panel, Station, StationId, Timing,
+    MotionSignals, OpId, Operation, OperationModule, OutputId, Owner, Panel, Station, StationId, TaskOrderSource,
+    Timing,
 };
 
 pub const PRESS: StationId = StationId(0);
@@ -92,6 +93,7 @@ fn station(name: &str, bus: DeviceBus) -> Station {
         steps: vec![vec![OpId(0)], vec![OpId(1)]],
         rests: Vec::new(),
         tasks: Vec::new(),
+        order_source: TaskOrderSource::Coordinator,
         axes: vec![Axis { name: "ram".to_owned(), home: 0.0, index: None }],
         inputs: ["front", "back", "failed", "selector"].map(str::to_owned).to_vec(),
         outputs: ["forward", "return"].map(str::to_owned).to_vec(),

@@ -11,7 +11,9 @@
 
 use std::time::Duration;
 
-use linewright_msgs::StationState;
+use linewright_msgs::{OrderState, RunTask, RunTaskGoal, RunTaskResult, StationState};
+use linewright_node_shell::{GoalOutcome, Mapping, Participant, RosArgs, qos};
+use tokio::time::timeout;
 
 use crate::support::eye::Seen;
 use crate::support::faster::faster;
@@ -83,6 +85,7 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back_and_one_that_fell
     is_watched(&rig);
     let wrong = rig.said(&["answer"], &["1", "somewhere"]).expect_err("that is no answer");
     assert!(wrong.contains("in-store"), "{wrong}");
+    a_stranger_orders(&rig);
     assert_eq!(rig.eye.seen().arrivals("m1", "clamp-close"), 0, "nothing was clamped");
 
     // The next time it falls on the way, which the simulated machine reports, and nothing in the line sees.
@@ -103,6 +106,38 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back_and_one_that_fell
     assert!(report.contains("1 parts have left, 0 are inside, 1 were lost; 2 activities have failed"), "{report}");
     assert!(report.contains("quality 50.0 %"), "{report}");
     assert!(report.contains('▒') && report.contains('█') && report.contains('░'), "planned, done, failed: {report}");
+}
+
+/// Another node orders a task that machine 1 could do. It is refused.
+fn a_stranger_orders(rig: &Rig) {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+    runtime.block_on(async {
+        let args = RosArgs { domain_id: rig.domain(), ..RosArgs::default() };
+        let participant = Participant::open(&args).expect("joins");
+        let mut node = participant.node("/workcell_c1", "stranger").expect("a node");
+        let mut states = node.subscription::<OrderState>("m1/order", qos::latched_state()).expect("a topic");
+        let (state, _) = timeout(LONG, states.recv()).await.expect("in time").expect("a state");
+        assert_eq!((state.rest.as_str(), state.doing_id), ("open", 0), "it could do it");
+        let caller = node.action_caller::<RunTask>("m1/run_task", Mapping::Enhanced).expect("a caller");
+        let goal = RunTaskGoal {
+            memory: state.memory,
+            epoch: state.epoch.max(1),
+            id: 1 << 40,
+            task: "clamp".into(),
+            limit_ms: 60_000,
+            ..RunTaskGoal::default()
+        };
+        // The server may not be discovered yet.
+        let mut began = caller.begin(goal.clone(), Duration::from_secs(2)).await;
+        for _ in 0..5 {
+            if began.is_err() {
+                began = caller.begin(goal.clone(), Duration::from_secs(2)).await;
+            }
+        }
+        let ended = caller.result(began.expect("accepted"), LONG).await.expect("it has ended");
+        assert_eq!((ended.0, ended.1.code), (GoalOutcome::Aborted, RunTaskResult::REFUSED_SENDER), "{:?}", ended.1);
+        assert!(ended.1.text.contains("not from the coordinator"), "{}", ended.1.text);
+    });
 }
 
 /// The view has the alarm with its answers, where the part is, and what recovery waits for.

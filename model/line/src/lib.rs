@@ -46,7 +46,7 @@ pub use parse::{ParsedLine, Problem, Problems, expand, is_described, parse, sche
 pub use position::{ClearanceInputs, CutShort, NoClearance};
 pub use task::{
     CODE_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, Parameter, REJOIN_AT_REST, RESTS_MAX, Rest, RestId, TASKS_MAX, Task,
-    TaskId,
+    TaskId, TaskOrderSource,
 };
 pub use time::Tick;
 pub use transfer_line::TransferLine;

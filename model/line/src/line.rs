@@ -11,7 +11,7 @@ use std::time::Duration;
 use linewright_text::index_id;
 
 use crate::hand::HandMode;
-use crate::{Console, Device, MaterialFlow, NumberedOrder, Owner, Rest, Task};
+use crate::{Console, Device, MaterialFlow, NumberedOrder, Owner, Rest, Task, TaskOrderSource};
 
 index_id! {
     /// A station, by its place in [`Line::stations`].
@@ -111,6 +111,8 @@ pub struct Station {
     pub rests: Vec<Rest>,
     /// Its tasks. Empty in a station that goes round a cycle.
     pub tasks: Vec<Task>,
+    /// Senders of orders for its tasks. [`TaskOrderSource::Coordinator`] in a station that goes round a cycle.
+    pub order_source: TaskOrderSource,
     /// The mechanisms, for the simulated plant and for drawing.
     pub axes: Vec<Axis>,
     /// Names of the digital inputs: bit `i` of the input image is `inputs[i]`.

@@ -35,6 +35,15 @@ pub const PARAMETER_BITS_MAX: usize = 31;
 /// The greatest code that a description may give; greater ones are the controller's own.
 pub const CODE_MAX: u16 = 999;
 
+/// Senders from which a task-driven station takes orders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TaskOrderSource {
+    /// The participant of ROS 2 that sends the mode the station follows.
+    Coordinator,
+    /// Any participant, for a dispatcher beside the coordinator.
+    Any,
+}
+
 /// Rest of a task-driven station, between its tasks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rest {

@@ -19,7 +19,7 @@ use ros2_client::action::{ActionClientQosPolicies, ActionServerQosPolicies};
 pub use caller::{ActionCaller, GoalError, GoalOutcome};
 pub use goals::GoalEnd;
 pub(crate) use server::RawActionServer;
-pub use server::{ActionOffer, ActionOwner, GoalHandle, GoalRequest, serve_action};
+pub use server::{ActionOffer, ActionOwner, GoalAsked, GoalHandle, GoalRequest, serve_action};
 
 use crate::qos;
 

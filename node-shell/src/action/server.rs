@@ -21,7 +21,7 @@ use super::goals::{GoalEnd, Goals};
 use crate::bytes::{Bytes, exactly};
 use crate::caller::WireMessage;
 use crate::service::{HOLD, KnownClients};
-use crate::subscription::Forward;
+use crate::subscription::{Forward, participant_of};
 
 /// Most bytes of a goal that are looked at.
 const GOAL_MAX: usize = 16 * 1024;
@@ -44,11 +44,21 @@ pub struct GoalHandle(pub(crate) GoalId);
 
 /// Request to the owner of an action.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum GoalRequest<G> {
+pub struct GoalRequest<G> {
+    /// The participant that it came from, as in [`MessageSource::participant`](crate::MessageSource::participant).
+    pub from: [u8; 12],
+    /// The goal that it is about.
+    pub goal: GoalHandle,
+    pub asked: GoalAsked<G>,
+}
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum GoalAsked<G> {
     /// A new goal. It is accepted already; one that is refused is [ended](ActionOwner::end) at once.
-    Goal(GoalHandle, G),
-    /// Cancellation of a goal. It goes on until it is ended, with whatever end.
-    Cancel(GoalHandle),
+    New(G),
+    /// Cancellation. The goal goes on until it is ended, with whatever end.
+    Cancel,
 }
 
 /// Report of the owner.
@@ -183,6 +193,7 @@ impl<A: RosAction> Serving<A> {
 
     /// Takes a request; gives the resulting requests to the owner.
     fn take(&mut self, who: GoalClient, request: ActionRequest) -> Vec<GoalRequest<A::Goal>> {
+        let from = participant_of(&who.1.writer_gid.to_bytes16());
         match request {
             ActionRequest::Goal(id, bytes) => {
                 let Some(goal) = exactly::<A::Goal>(&bytes) else {
@@ -197,7 +208,7 @@ impl<A: RosAction> Serving<A> {
                     return Vec::new();
                 }
                 self.publish_status();
-                vec![GoalRequest::Goal(GoalHandle(id), goal)]
+                vec![GoalRequest { from, goal: GoalHandle(id), asked: GoalAsked::New(goal) }]
             }
             ActionRequest::Cancel(request) => {
                 let Some((response, new)) = goal_info(&request).and_then(|info| self.goals.cancel(&info)) else {
@@ -208,7 +219,8 @@ impl<A: RosAction> Serving<A> {
                 if !new.is_empty() {
                     self.publish_status();
                 }
-                new.into_iter().map(|id| GoalRequest::Cancel(GoalHandle(id))).collect()
+                let cancelled = |id| GoalRequest { from, goal: GoalHandle(id), asked: GoalAsked::Cancel };
+                new.into_iter().map(cancelled).collect()
             }
             ActionRequest::Result(id) => {
                 if let Some((status, result, who)) = self.goals.ask(id, who) {

@@ -18,7 +18,7 @@ use std::ops::RangeInclusive;
 
 use linewright_line::{
     Axis, Console, Device, DeviceBus, DeviceKind, InputId, Line, MaterialFlow, OpId, Owner, Panel, Rest, Station,
-    StationId, Timing,
+    StationId, TaskOrderSource, Timing,
 };
 
 pub use breakage::{Breakage, break_it, breakages, without_literal};
@@ -129,6 +129,7 @@ fn empty_station(number: usize, axes: Vec<Axis>, rests: Vec<Rest>) -> Station {
         steps: Vec::new(),
         rests,
         tasks: Vec::new(),
+        order_source: TaskOrderSource::Coordinator,
         axes,
         inputs: ["manual", "advance", "return"].map(|key| format!("P_{key}")).to_vec(),
         outputs: Vec::new(),

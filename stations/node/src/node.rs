@@ -20,6 +20,7 @@ use tokio::sync::{mpsc, watch};
 
 use crate::device_texts::DeviceTexts;
 use crate::journal::from_record;
+use crate::orders::REFUSED_SENDER;
 use crate::topics::{StationInbound, StationPublishers, inputs_from_message, open};
 
 /// Reason why a station's node cannot run, or had to end.
@@ -272,8 +273,8 @@ impl StationLoop {
 
     fn arrived(&mut self, arrived: StationInbound) {
         match arrived {
-            StationInbound::Order(message) => match order_from_message(&message, (self.station, &self.name)) {
-                Ok(order) => self.handle(StationArrival::Order { sequence: message.sequence, order }),
+            StationInbound::Order(message, from) => match order_from_message(&message, (self.station, &self.name)) {
+                Ok(order) => self.handle(StationArrival::Order { sequence: message.sequence, from, order }),
                 Err(error) => self.ignore(error),
             },
             StationInbound::State(message) => {
@@ -294,12 +295,21 @@ impl StationLoop {
                 "auto" => self.panel(PanelCommand::Selector(false)),
                 other => self.ignore(format!("selector '{}': expected auto or manual", quoted(other))),
             },
+            StationInbound::Goal(asked) if !self.shell.takes_tasks_of(asked.from) => {
+                if let Some(orders) = &self.says.orders {
+                    orders.refuse_sender(asked);
+                }
+                self.ignore(format!("task order: {REFUSED_SENDER}"));
+            }
+            StationInbound::Secure(_, _, from) if !self.shell.takes_tasks_of(from) => {
+                self.ignore(format!("order to leave a task: {REFUSED_SENDER}"));
+            }
             StationInbound::Goal(asked) => {
                 if let Some(told) = self.says.orders.as_mut().and_then(|orders| orders.asked(asked)) {
                     self.handle(StationArrival::Task(told.command()));
                 }
             }
-            StationInbound::Secure(key, way) => {
+            StationInbound::Secure(key, way, _) => {
                 if let Some(told) = self.says.orders.as_mut().map(|orders| orders.secure(key, way)) {
                     self.handle(StationArrival::Task(told.command()));
                 }

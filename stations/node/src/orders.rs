@@ -12,8 +12,8 @@ use linewright_msgs::{
     Bounded, OrderEnd, OrderState, RunTask, RunTaskFeedback, RunTaskGoal, RunTaskResult, SecureOrder, fitting,
 };
 use linewright_node_shell::{
-    ActionOwner, Forward, GoalEnd, GoalHandle, GoalRequest, Publisher, RosNode, TopicError, forward, qos, serve_action,
-    stamp,
+    ActionOwner, Forward, GoalAsked, GoalEnd, GoalHandle, GoalRequest, Publisher, RosNode, TopicError, forward, qos,
+    serve_action, stamp,
 };
 use linewright_station_logic::{
     Controller, LeaveWay, OrderKey, SlotReport, StationReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport,
@@ -22,6 +22,10 @@ use linewright_station_logic::{
 use tokio::sync::mpsc;
 
 use crate::topics::StationInbound;
+
+/// Reason why an order, or an order to leave one, of another sender than the coordinator is not taken.
+pub(crate) const REFUSED_SENDER: &str = "rejected: not from the coordinator that the station follows; a line whose stations take tasks from \
+     other nodes too has `orders = \"any\"` in the station's table";
 
 /// A command to the controller, as it came.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,23 +75,35 @@ impl TaskOrderTopics {
         let state = node.publisher("~/order", qos::latched_state())?;
         let (owner, serving) = serve_action(node.action::<RunTask>("~/run_task")?, to.clone(), StationInbound::Goal);
         tasks.push(serving);
-        tasks.push(forward(node.subscription("~/secure", qos::command())?, to.clone(), |message: SecureOrder, _| {
+        let secure = node.subscription("~/secure", qos::command())?;
+        tasks.push(forward(secure, to.clone(), |message: SecureOrder, source| {
             let key = OrderKey { epoch: message.epoch, id: message.id };
-            Some(StationInbound::Secure(key, LeaveWay::from_number(message.way)))
+            Some(StationInbound::Secure(key, LeaveWay::from_number(message.way), source.participant()))
         }));
         let message = OrderState { boot_id, station: station.to_owned(), description, ..OrderState::default() };
         Ok(TaskOrderTopics { owner, state, goals: Vec::new(), told: None, report: StationReport::default(), message })
     }
 
+    /// Ends a goal of a sender whose orders are not taken. Only this goal: the coordinator may have one of the same order.
+    pub fn refuse_sender(&self, request: GoalRequest<RunTaskGoal>) {
+        if let GoalAsked::New(wanted) = request.asked {
+            let RunTaskGoal { epoch, id, .. } = wanted;
+            let (end, code) = (RunTaskResult::END_REFUSED, RunTaskResult::REFUSED_SENDER);
+            let text = REFUSED_SENDER.to_owned();
+            self.owner.end(request.goal, GoalEnd::Aborted, RunTaskResult { epoch, id, end, code, text });
+        }
+    }
+
     /// The controller's input from a goal request.
-    pub fn asked(&mut self, asked: GoalRequest<RunTaskGoal>) -> Option<OrderInbound> {
-        match asked {
-            GoalRequest::Goal(goal, wanted) => {
+    pub fn asked(&mut self, request: GoalRequest<RunTaskGoal>) -> Option<OrderInbound> {
+        let goal = request.goal;
+        match request.asked {
+            GoalAsked::New(wanted) => {
                 let order = order(wanted);
                 self.goals.push(OngoingGoal { goal, key: order.key, is_cancelled: false });
                 Some(OrderInbound::Run(order))
             }
-            GoalRequest::Cancel(goal) => {
+            GoalAsked::Cancel => {
                 let live = self.goals.iter_mut().find(|live| live.goal == goal)?;
                 live.is_cancelled = true;
                 let key = live.key;

@@ -8,7 +8,7 @@ use linewright_node_shell::{
     watch_middleware,
 };
 use linewright_station_logic::{LeaveWay, OrderKey};
-use linewright_station_shell::InputsMessage;
+use linewright_station_shell::{InputsMessage, ParticipantId};
 use tokio::sync::mpsc;
 
 use crate::orders::TaskOrderTopics;
@@ -16,8 +16,8 @@ use crate::orders::TaskOrderTopics;
 /// Message from a subscription.
 #[derive(Debug)]
 pub enum StationInbound {
-    /// The coordinator's order.
-    Order(ModeOrder),
+    /// A coordinator's order, and its sender.
+    Order(ModeOrder, ParticipantId),
     /// Another station's state.
     State(Box<StationState>),
     /// The station's input image, through the coordinator's gateway.
@@ -36,7 +36,7 @@ pub enum StationInbound {
     /// A task is ordered, or cancelled.
     Goal(GoalRequest<RunTaskGoal>),
     /// An order is to be left.
-    Secure(OrderKey, LeaveWay),
+    Secure(OrderKey, LeaveWay, ParticipantId),
 }
 
 /// The publishers of a station.
@@ -70,7 +70,9 @@ pub fn open(
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
         watch_middleware(),
-        forward(node.subscription("mode", qos::repeated())?, to.clone(), |m, _| Some(StationInbound::Order(m))),
+        forward(node.subscription("mode", qos::repeated())?, to.clone(), |m, source| {
+            Some(StationInbound::Order(m, source.participant()))
+        }),
         forward_timely(
             node.subscription("~/selector", qos::command())?,
             to.clone(),

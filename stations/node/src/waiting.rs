@@ -52,6 +52,6 @@ impl StationLoop {
 }
 
 fn is_emergency_stop(arrived: &StationInbound, own: (StationId, &str)) -> bool {
-    let StationInbound::Order(order) = arrived else { return false };
+    let StationInbound::Order(order, _) = arrived else { return false };
     order_from_message(order, own).is_ok_and(|order| order.mode == ControlMode::EStop)
 }

@@ -7,6 +7,9 @@ use linewright_station_logic::{
     ModeOrder, OrderKey, PanelCommand, RejoinAt, StationHappening, StationReport, TaskCommand, TaskReply,
 };
 
+/// Participant of the middleware that a message came from: a process, in the rule. In DDS, the prefix of its publishers' identity.
+pub type ParticipantId = [u8; 12];
+
 /// A station's input image as the gateway sends it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InputsMessage {
@@ -31,6 +34,8 @@ pub enum StationArrival<'a> {
     Order {
         /// Its number in that coordinator's life.
         sequence: u64,
+        /// Sender.
+        from: ParticipantId,
         order: ModeOrder,
     },
     /// Another station's state.

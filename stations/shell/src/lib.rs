@@ -13,7 +13,7 @@ mod rivals;
 mod rules;
 mod shell;
 
-pub use effect::{Driven, InputsMessage, StationArrival, StationEffect};
+pub use effect::{Driven, InputsMessage, ParticipantId, StationArrival, StationEffect};
 pub use newest::NewestBySequence;
 pub use rivals::{RivalLife, Rivals};
 pub use rules::ShellRules;

@@ -9,13 +9,13 @@ use std::fmt::Display;
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, NumberedOrder, StationId, Tick};
+use linewright_line::{Line, NumberedOrder, StationId, TaskOrderSource, Tick};
 use linewright_station_logic::{
     CompileError, Controller, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Restore, RivalCoordinators, Rules,
     StationInput, StationOutbox, StationSnapshot,
 };
 
-use crate::effect::{Driven, InputsMessage, StationArrival, StationEffect};
+use crate::effect::{Driven, InputsMessage, ParticipantId, StationArrival, StationEffect};
 use crate::newest::NewestBySequence;
 use crate::rivals::Rivals;
 use crate::rules::ShellRules;
@@ -34,6 +34,9 @@ pub struct StationShell {
     /// A step that was not the last one before [`StationShell::act`] has changed the state.
     is_changed: bool,
     orders: NewestBySequence,
+    /// Sender of the order that was followed last.
+    coordinator: Option<ParticipantId>,
+    order_source: TaskOrderSource,
     /// Coordinators that give orders beside the one that is followed.
     rivals: Rivals,
     contest: Option<RivalCoordinators>,
@@ -85,6 +88,8 @@ impl StationShell {
             outbox: StationOutbox::default(),
             is_changed: false,
             orders: NewestBySequence::new(stale),
+            coordinator: None,
+            order_source: line.station(station).order_source,
             rivals: Rivals::new(line.timing.refresh, stale),
             contest: None,
             images: NewestBySequence::new(stale),
@@ -151,12 +156,19 @@ impl StationShell {
         self.inputs
     }
 
+    /// Whether orders for tasks, and orders to leave one, of this sender are taken: of the one whose order of the mode is followed,
+    /// or of any where the description says so. The middleware does not prove the sender, so this keeps out what is sent
+    /// by mistake, and nothing that is forged.
+    pub fn takes_tasks_of(&self, from: ParticipantId) -> bool {
+        self.order_source == TaskOrderSource::Any || self.coordinator == Some(from)
+    }
+
     /// Takes an arrival. Follow with [`StationShell::act`], once everything that waits has been taken.
     pub fn handle(&mut self, now: Tick, arrival: StationArrival<'_>, effects: &mut Vec<StationEffect>) {
         self.notice_gap(now);
         let is_doubtful = now < self.doubts_until;
         let handled = match arrival {
-            StationArrival::Order { sequence, order } => self.order(now, sequence, order, is_doubtful),
+            StationArrival::Order { sequence, from, order } => self.order(now, (sequence, from), order, is_doubtful),
             StationArrival::State { station, sequence, report } => {
                 let Some(states) = self.states.get_mut(station.index()) else {
                     self.ignore("a report of a station that is not described", effects);
@@ -207,8 +219,14 @@ impl StationShell {
 
     /// Takes an order. The emergency stop is obeyed whichever coordinator gives it, in whichever of its lives, sequences
     /// and epochs: a stop too many costs a reset.
-    fn order(&mut self, now: Tick, sequence: u64, order: ModeOrder, is_doubtful: bool) -> Handled {
-        let handled = self.take_order(now, sequence, order, is_doubtful);
+    fn order(
+        &mut self,
+        now: Tick,
+        (sequence, from): (u64, ParticipantId),
+        order: ModeOrder,
+        is_doubtful: bool,
+    ) -> Handled {
+        let handled = self.take_order(now, (sequence, from), order, is_doubtful);
         self.look_for_rivals(now, sequence, &order, is_doubtful);
         handled
     }
@@ -230,7 +248,13 @@ impl StationShell {
         }
     }
 
-    fn take_order(&mut self, now: Tick, sequence: u64, order: ModeOrder, is_doubtful: bool) -> Handled {
+    fn take_order(
+        &mut self,
+        now: Tick,
+        (sequence, from): (u64, ParticipantId),
+        order: ModeOrder,
+        is_doubtful: bool,
+    ) -> Handled {
         // A station that has followed no coordinator yet has nothing to compare with. It follows whatever epoch the line has
         // come to, so that a line comes back from an epoch that was forged when its stations are restarted.
         let followed = self.controller.mode_epoch();
@@ -259,7 +283,13 @@ impl StationShell {
         let is_newest = self.orders.offer(now, order.boot_id, sequence) || !self.rules.numbers;
         let is_stop = order.mode == ControlMode::EStop;
         match (is_newest && !is_doubtful, is_stop) {
-            (true, _) => self.controller.handle(now, StationInput::Order(order)),
+            (true, _) => {
+                let handled = self.controller.handle(now, StationInput::Order(order));
+                if matches!(handled, Handled::Taken) {
+                    self.coordinator = Some(from);
+                }
+                handled
+            }
             (false, true) => self.controller.handle(now, StationInput::EmergencyStop(order.boot_id, None)),
             (false, false) => Handled::Taken,
         }

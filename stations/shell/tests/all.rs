@@ -8,4 +8,5 @@ mod numbered;
 mod order_of_effects;
 mod rig;
 mod rivals;
+mod senders;
 mod start;

@@ -50,7 +50,7 @@ fn from_one_place_to_the_next_nothing_is_driven_before_the_record() {
             let place = step % u128::from(places) + 1;
             now = now + line.timing.refresh;
             let order = ModeOrder { station_life: 7, ..ModeOrder::of(11, 5, ControlMode::Auto, line.timing.lease) };
-            shell.handle(now, StationArrival::Order { sequence: step as u64 + 1, order }, &mut effects);
+            shell.handle(now, StationArrival::Order { sequence: step as u64 + 1, from: [0; 12], order }, &mut effects);
             let bits = in_place | measured(place);
             shell.handle(now, StationArrival::Devices { bits, valid: true, losses: 0 }, &mut effects);
             effects.clear();

@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, OperationModule, StationId, Tick, TransferLine, parse};
 use linewright_station_logic::{Controller, ModeOrder, PanelCommand, Restore, Rules, StationReport};
-use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEffect, StationShell};
+use linewright_station_shell::{Driven, InputsMessage, ParticipantId, StationArrival, StationEffect, StationShell};
 
 /// The life of the coordinator that is followed, and of another one.
 pub const FOLLOWED: u64 = 11;
@@ -13,6 +13,13 @@ pub const OTHER: u64 = 12;
 /// The first life of the station.
 pub const LIFE: u64 = 7;
 const ADVANCE: OpId = OpId(1);
+
+/// Participant of a coordinator in one of its lives.
+pub fn sender_of(life: u64) -> ParticipantId {
+    let mut id = [0; 12];
+    id[..8].copy_from_slice(&life.to_le_bytes());
+    id
+}
 
 pub struct Rig {
     pub line: Line,
@@ -89,7 +96,7 @@ impl Rig {
         let lease = self.timing().lease;
         let manual_all = mode == ControlMode::Manual;
         let order = ModeOrder { manual_all, station_life, ..ModeOrder::of(life, epoch, mode, lease) };
-        self.take(StationArrival::Order { sequence, order });
+        self.take(StationArrival::Order { sequence, from: sender_of(life), order });
     }
 
     /// The image of the clamp standing open, or between its ends.

@@ -12,7 +12,7 @@ use super::setup;
 use super::{analogue, drive, frames, handling, modbus, task};
 use crate::{
     Arrow, Canopen, Conflict, Console, Device, DeviceKind, InputId, Io, Line, MotionSignals, Operation,
-    OperationModule, Owner, Panel, Station, StopContact, Timing,
+    OperationModule, Owner, Panel, Station, StopContact, TaskOrderSource, Timing,
 };
 
 /// The line a draft describes; `None` if a part is missing.
@@ -64,6 +64,7 @@ fn station(draft: &DraftStation<'_>) -> Option<Station> {
         axes: draft.axes.clone(),
         rests: task::finish_rests(draft)?,
         tasks: draft.tasks.iter().map(task::finish).collect::<Option<_>>()?,
+        order_source: draft.raw.order_source.as_ref().map_or(TaskOrderSource::Coordinator, |source| source.value),
         inputs: texts(&draft.wiring.inputs),
         outputs: texts(&draft.wiring.outputs),
         panel: Panel { manual, advance, retract },

@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 use linewright_text::{
-    Located, LocatedName, Named, Problem, Report, Scalar, Shape, coordinate, coordinates, integer, keys, lists, part,
-    positive, scalars, seconds, table, tables, text, texts, whole,
+    Located, LocatedName, Named, Problem, Report, Scalar, Shape, coordinate, coordinates, integer, keys, lists, one_of,
+    part, positive, scalars, seconds, table, tables, text, texts, whole,
 };
 
 use super::station_type::TYPE_PARAMETERS_MAX;
 use super::{RawHolder, RawReach};
-use crate::{CODE_MAX, OPERATIONS_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, RESTS_MAX, TASKS_MAX};
+use crate::{CODE_MAX, OPERATIONS_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, RESTS_MAX, TASKS_MAX, TaskOrderSource};
 
 /// At most this many axes in one station.
 pub(super) const AXES_MAX: usize = 64;
@@ -42,6 +42,10 @@ keys! {
         rests as "rest": Vec<RawRest> = tables(RESTS_MAX),
         /// Tasks of a task-driven station, at most 16.
         tasks as "task": Vec<RawTask> = tables(TASKS_MAX),
+        /// Of a task-driven station: `"coordinator"` takes tasks only from the coordinator whose mode the station follows, `"any"`
+        /// from every node of the ROS domain.
+        order_source as "orders": Option<Located<TaskOrderSource>> =
+            one_of(&[("coordinator", TaskOrderSource::Coordinator), ("any", TaskOrderSource::Any)]),
         /// Places for parts in this station, for the simulated plant; at most 1000.
         holders as "holder": Vec<RawHolder> = tables(HOLDERS_MAX),
         /// Nests that the station's grippers reach, for the simulated plant; at most 256.

@@ -44,6 +44,9 @@ pub(super) fn nothing_of_tasks(station: &DraftStation<'_>, report: &mut Report) 
     if let Some(rest) = station.raw.rests.first() {
         report.add(Problem::error(rest.at.clone(), "a rest of a station without tasks").hint(hint));
     }
+    if let Some(source) = &station.raw.order_source {
+        report.add(Problem::error(source.at.clone(), "`orders` in a station without tasks").hint(hint));
+    }
     for operation in &station.operations {
         let raw = operation.raw;
         let keys = [
