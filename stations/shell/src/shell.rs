@@ -16,6 +16,7 @@ use linewright_station_logic::{
 };
 
 use crate::effect::{Driven, InputsMessage, StationArrival, StationEffect};
+use crate::held::{HeldByOne, HeldPass};
 use crate::newest::NewestBySequence;
 use crate::rivals::Rivals;
 use crate::rules::ShellRules;
@@ -37,6 +38,9 @@ pub struct StationShell {
     /// Coordinators that give orders beside the one that is followed.
     rivals: Rivals,
     contest: Option<RivalCoordinators>,
+    /// The panel's buttons.
+    advance: HeldByOne,
+    retract: HeldByOne,
     images: NewestBySequence,
     states: Vec<NewestBySequence>,
     /// [`InputsMessage::lives`] of the image the controller saw last.
@@ -87,6 +91,8 @@ impl StationShell {
             orders: NewestBySequence::new(stale),
             rivals: Rivals::new(line.timing.refresh, stale),
             contest: None,
+            advance: HeldByOne::default(),
+            retract: HeldByOne::default(),
             images: NewestBySequence::new(stale),
             states: vec![NewestBySequence::new(stale); line.stations.len()],
             lives: 0,
@@ -155,43 +161,44 @@ impl StationShell {
     pub fn handle(&mut self, now: Tick, arrival: StationArrival<'_>, effects: &mut Vec<StationEffect>) {
         self.notice_gap(now);
         let is_doubtful = now < self.doubts_until;
-        let handled = match arrival {
-            StationArrival::Order { sequence, order } => self.order(now, sequence, order, is_doubtful),
-            StationArrival::State { station, sequence, report } => {
-                let Some(states) = self.states.get_mut(station.index()) else {
-                    self.ignore("a report of a station that is not described", effects);
-                    return;
-                };
-                let is_newest = states.offer(now, report.boot_id, sequence) || !self.rules.numbers;
-                if is_newest && !is_doubtful {
-                    self.controller.handle(now, StationInput::View(station, report))
-                } else {
+        let handled =
+            match arrival {
+                StationArrival::Order { sequence, order } => self.order(now, sequence, order, is_doubtful),
+                StationArrival::State { station, sequence, report } => {
+                    let Some(states) = self.states.get_mut(station.index()) else {
+                        self.ignore("a report of a station that is not described", effects);
+                        return;
+                    };
+                    let is_newest = states.offer(now, report.boot_id, sequence) || !self.rules.numbers;
+                    if is_newest && !is_doubtful {
+                        self.controller.handle(now, StationInput::View(station, report))
+                    } else {
+                        Handled::Taken
+                    }
+                }
+                StationArrival::Inputs(message) => {
+                    let is_newest = self.images.offer(now, message.boot_id, message.sequence) || !self.rules.numbers;
+                    if is_newest && !is_doubtful {
+                        self.inputs_by_message(now, message);
+                    }
                     Handled::Taken
                 }
-            }
-            StationArrival::Inputs(message) => {
-                let is_newest = self.images.offer(now, message.boot_id, message.sequence) || !self.rules.numbers;
-                if is_newest && !is_doubtful {
-                    self.inputs_by_message(now, message);
+                StationArrival::Devices { bits, valid, losses } => {
+                    self.image(now, (bits, valid), losses, Tick::NEVER, NO_DELAY);
+                    Handled::Taken
                 }
-                Handled::Taken
-            }
-            StationArrival::Devices { bits, valid, losses } => {
-                self.image(now, (bits, valid), losses, Tick::NEVER, NO_DELAY);
-                Handled::Taken
-            }
-            // A button that was held before the gap may have been released in it.
-            StationArrival::Panel(PanelCommand::Advance(true) | PanelCommand::Retract(true)) if is_doubtful => {
-                Handled::Taken
-            }
-            StationArrival::Panel(command) => self.controller.handle(now, StationInput::Panel(command)),
-            StationArrival::Rejoin(..) if is_doubtful => {
-                self.ignore("rejoin: the node stood still just before it; confirm again", effects);
-                return;
-            }
-            StationArrival::Rejoin(at, numbers) => self.controller.handle(now, StationInput::Rejoin(at, numbers)),
-            StationArrival::Task(command) => self.controller.handle(now, StationInput::Task(command)),
-        };
+                // A button that was held before the gap may have been released in it.
+                StationArrival::Panel {
+                    command: PanelCommand::Advance(true) | PanelCommand::Retract(true), ..
+                } if is_doubtful => Handled::Taken,
+                StationArrival::Panel { console, command } => self.panel(now, console, command),
+                StationArrival::Rejoin(..) if is_doubtful => {
+                    self.ignore("rejoin: the node stood still just before it; confirm again", effects);
+                    return;
+                }
+                StationArrival::Rejoin(at, numbers) => self.controller.handle(now, StationInput::Rejoin(at, numbers)),
+                StationArrival::Task(command) => self.controller.handle(now, StationInput::Task(command)),
+            };
         if let Handled::Ignored(why) = handled {
             self.ignore(why.text(), effects);
         }
@@ -203,6 +210,20 @@ impl StationShell {
         if self.ignored.is_power_of_two() {
             effects.push(StationEffect::Ignored { count: self.ignored, why: why.to_string() });
         }
+    }
+
+    /// Takes a command of the panel. A button is held by one console at a time.
+    fn panel(&mut self, now: Tick, console: u64, command: PanelCommand) -> Handled {
+        let (button, held, released) = match command {
+            PanelCommand::Advance(held) => (&mut self.advance, held, PanelCommand::Advance(false)),
+            PanelCommand::Retract(held) => (&mut self.retract, held, PanelCommand::Retract(false)),
+            PanelCommand::Selector(_) => return self.controller.handle(now, StationInput::Panel(command)),
+        };
+        if button.offer(now, console, held, self.stale) == HeldPass::Taken {
+            return self.controller.handle(now, StationInput::Panel(command));
+        }
+        self.controller.handle(now, StationInput::TwoConsoles(now + self.stale));
+        self.controller.handle(now, StationInput::Panel(released))
     }
 
     /// Takes an order. The emergency stop is obeyed whichever coordinator gives it, in whichever of its lives, sequences
