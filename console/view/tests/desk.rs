@@ -369,6 +369,8 @@ proptest! {
                         PageAct::Press { number, .. } if *number == 0 => *number = newest + 1,
                         _ => {}
                     }
+                    // One that has run out unseen, since nothing has looked, is ended by the next press, which begins nothing then.
+                    let was_live = bench.desk.live().is_some();
                     bench.act_of(connection, act.clone(), age);
                     let (at, is_fresh) = (connection as usize, age <= 500);
                     if !open[at] {
@@ -381,7 +383,7 @@ proptest! {
                             judged = judged.filter(|of| of.number == number && is_fresh).map(|of| Judged { beat_at: now, ..of });
                         }
                         PageAct::Press { number, .. } => {
-                            let begins = judged.is_none() && is_fresh && number > used[at];
+                            let begins = judged.is_none() && !was_live && is_fresh && number > used[at];
                             used[at] = used[at].max(number);
                             judged = begins.then_some(Judged { number, beat_at: now });
                         }
