@@ -7,14 +7,16 @@
 mod commands;
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args as ClapArgs;
 use linewright_console_server::PageServer;
-use linewright_console_view::{ConsoleInputs, ConsoleView, PageFeed, PageFrame, PlanPart, ReasonsByResource};
+use linewright_console_view::{
+    CellNames, ConsoleInputs, ConsoleView, PageFeed, PageFrame, PlanPart, ReasonsByResource,
+};
 use linewright_fieldbus::Clock;
 use linewright_line::{Line, StationId, Tick};
 use linewright_msgs::{CycleTime, StationState};
@@ -29,7 +31,7 @@ use crate::load;
 use crate::recover::NewestPlan;
 use crate::states::mode_name;
 use crate::watch::next::look;
-use commands::PageCommands;
+use commands::{PageCommands, PageSurroundings};
 
 use crate::watch::{AskedReasons, REASONS_EVERY, next_of};
 
@@ -75,7 +77,8 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let (to, mut events) = mpsc::channel(EVENTS);
     crate::out::say!("{}", server.url());
     let _serving = tokio::spawn(server.run(newest, to));
-    let mut console = ConsoleLoop::new(&line, is_cell);
+    let names = names(&args.line, &line)?;
+    let mut console = ConsoleLoop::new(&line, names);
     let mut looks = tokio::time::interval(LOOK_EVERY);
     looks.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     let mut ticks = tokio::time::interval(FRAME_EVERY);
@@ -86,15 +89,22 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let ended: miette::Result<()> = loop {
         // A release is taken in before what is held is published.
         while let Ok(event) = events.try_recv() {
-            commands.take(console.now(), &client, event);
+            let now = console.now();
+            commands.take(now, &mut console.around(&client, cell.as_ref()), event);
         }
         commands.publish(console.now(), &client);
         tokio::select! {
             biased;
-            Some(event) = events.recv() => commands.take(console.now(), &client, event),
+            Some(event) = events.recv() => {
+                let now = console.now();
+                commands.take(now, &mut console.around(&client, cell.as_ref()), event);
+            }
+            is_none = commands.replied() => if let Some(cell) = cell.as_mut().filter(|_| is_none) {
+                cell.give_up()?;
+            },
             () = interrupts.next() => break Ok(()),
             _ = looks.tick() => {}
-            _ = ticks.tick() => drop(frames.send_replace(Some(Arc::new(console.frame(&client, cell.as_ref(), &commands))))),
+            _ = ticks.tick() => drop(frames.send_replace(Some(Arc::new(console.frame(&client, cell.as_ref(), &mut commands))))),
             heard = client.next() => match heard {
                 Ok(StateUpdate::Station(id)) => console.station(&client, id),
                 Ok(_) => {}
@@ -112,6 +122,14 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     ended.map(|()| ExitCode::SUCCESS)
 }
 
+/// What operators name of a cell; none of a line.
+fn names(path: &Path, line: &Line) -> miette::Result<Option<CellNames>> {
+    let Some(cell) = load::cell_of(path, line)? else { return Ok(None) };
+    let products = cell.part_types.iter().map(|of| of.name.clone()).collect();
+    let resources = cell.resources.iter().map(|of| of.name.clone()).collect();
+    Ok(Some(CellNames { products, resources }))
+}
+
 /// What the console keeps beside the newest states.
 struct ConsoleLoop {
     clock: Clock,
@@ -124,20 +142,23 @@ struct ConsoleLoop {
     out_of_service: ReasonsByResource,
     /// The steps back to auto that were found last, and when.
     steps: Option<(Duration, PlanPart)>,
+    /// Whether they are those of what was received when they were looked for last.
+    is_current: bool,
     frames: u64,
 }
 
 impl ConsoleLoop {
-    fn new(line: &Line, is_cell: bool) -> Self {
+    fn new(line: &Line, names: Option<CellNames>) -> Self {
         ConsoleLoop {
             clock: Clock::start(),
-            view: ConsoleView::new(line, is_cell, mode_name),
+            view: ConsoleView::new(line, names, mode_name),
             feed: PageFeed::default(),
             plan: NewestPlan::default(),
             cycle: None,
             coordinator: None,
             out_of_service: ReasonsByResource::new(),
             steps: None,
+            is_current: false,
             frames: 0,
         }
     }
@@ -149,11 +170,18 @@ impl ConsoleLoop {
             self.steps = None;
         } else if !is_held {
             let now = self.now();
-            match self.plan.look(client, cell) {
+            let found = self.plan.look(client, cell);
+            self.is_current = found.is_some();
+            match found {
                 Some(found) => self.steps = Some((now, PlanPart::of(client.line(), &found.plan, &found.reasons))),
                 None => self.steps = self.steps.take().filter(|(at, _)| now.saturating_sub(*at) < SHOWN_FOR),
             }
         }
+    }
+
+    /// What a page's acts are about.
+    fn around<'a>(&'a mut self, client: &'a OperatorClient, cell: Option<&'a CellClient>) -> PageSurroundings<'a> {
+        PageSurroundings { client, cell, view: &mut self.view }
     }
 
     /// Time since the begin of the console, in which the machine may have slept.
@@ -169,7 +197,7 @@ impl ConsoleLoop {
     }
 
     /// The frame of now.
-    fn frame(&mut self, client: &OperatorClient, cell: Option<&CellClient>, commands: &PageCommands) -> PageFrame {
+    fn frame(&mut self, client: &OperatorClient, cell: Option<&CellClient>, commands: &mut PageCommands) -> PageFrame {
         let control = commands.part(self.now());
         self.frames += 1;
         if self.frames.is_multiple_of(LOOK_FRAMES) {
@@ -194,7 +222,7 @@ impl ConsoleLoop {
             next: next.as_ref(),
             out_of_service: &self.out_of_service,
             other_descriptions: client.other_descriptions(),
-            plan: self.steps.as_ref().map(|(_, steps)| steps.clone()),
+            plan: commands.plan(now, self.steps.as_ref().map(|(_, steps)| steps.clone()), self.is_current),
             control,
         });
         self.feed.frame(now, &page)

@@ -133,6 +133,9 @@ fn is_refused(state: &LineState, words: &str, refusals: u64) -> bool {
     state.refusals > refusals && state.refused == words
 }
 
+/// How a refusal names hand-mode buttons.
+const BUTTONS: &str = "buttons";
+
 /// Buttons and positions of the selector at the panel of a station.
 const PANEL: [&str; 4] = ["advance", "return", "manual", "auto"];
 
@@ -199,7 +202,12 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
         return answer(&client, args, &stations, PressOutcome::Refused(why));
     }
     let say = |client: &OperatorClient, held| client.hold(if held { &names } else { "" });
+    let before = client.coordinator().map_or(0, |state| state.refusals);
     let outcome = hold(&mut client, (args.seconds, false), &stations, say).await?;
+    // A second console that has let go before has ended nothing.
+    let refused =
+        client.coordinator().filter(|state| is_refused(state, BUTTONS, before) && outcome != PressOutcome::Obeyed);
+    let outcome = refused.map_or(outcome, |state| PressOutcome::Refused(state.refusal.clone()));
     answer(&client, args, &stations, outcome)
 }
 

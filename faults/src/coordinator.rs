@@ -11,7 +11,7 @@ use linewright_station_shell::InputsMessage;
 
 use crate::devices::SeenImage;
 use crate::disk::SimulatedDisk;
-use crate::message::Message;
+use crate::message::{CONSOLE, Message};
 use crate::mutants::Mutant;
 use crate::process::{Process, Writing};
 use crate::world::{Event, World};
@@ -211,8 +211,8 @@ impl World {
                 CoordinatorArrival::Outputs { station: *station, sequence: *sequence, image: *image }
             }
             Message::Command(command) => CoordinatorArrival::Command(*command),
-            Message::Buttons(held) => CoordinatorArrival::Buttons(*held),
-            Message::Resume(held) => CoordinatorArrival::Resume { console: 1, held: *held },
+            Message::Buttons(held) => CoordinatorArrival::Buttons { console: CONSOLE, held: *held },
+            Message::Resume(held) => CoordinatorArrival::Resume { console: CONSOLE, held: *held },
             Message::Inputs(_) | Message::Panel(_) | Message::Rejoin(_) => return,
         };
         shell.handle(local, arrival);

@@ -7,6 +7,9 @@ use linewright_line::StationId;
 use linewright_station_logic::{ModeOrder, PanelCommand, RejoinAt, StationReport};
 use linewright_station_shell::InputsMessage;
 
+/// The only console.
+pub(crate) const CONSOLE: u64 = 1;
+
 /// A message.
 #[derive(Clone, Debug)]
 pub(crate) enum Message {

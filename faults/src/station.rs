@@ -11,7 +11,7 @@ use linewright_station_shell::{Driven, StationArrival, StationEffect, StationShe
 
 use crate::devices::SeenImage;
 use crate::disk::SimulatedDisk;
-use crate::message::Message;
+use crate::message::{CONSOLE, Message};
 use crate::mutants::Mutant;
 use crate::process::{Process, Writing};
 use crate::world::{Event, World};
@@ -202,7 +202,9 @@ impl World {
                 shell.handle(local, StationArrival::State { station, sequence, report }, &mut effects);
             }
             Message::Inputs(image) => shell.handle(local, StationArrival::Inputs(*image), &mut effects),
-            Message::Panel(command) => shell.handle(local, StationArrival::Panel(*command), &mut effects),
+            Message::Panel(command) => {
+                shell.handle(local, StationArrival::Panel { console: CONSOLE, command: *command }, &mut effects);
+            }
             Message::Rejoin(place) => shell.handle(local, StationArrival::Rejoin(*place, &[]), &mut effects),
             Message::Outputs { .. } | Message::Command(_) | Message::Buttons(_) | Message::Resume(_) => {}
         }

@@ -1,6 +1,7 @@
 //! All tests of this crate as one program: programs of their own would each be linked with all that they share.
 
 mod actions;
+mod cut_link;
 mod disk;
 mod interop;
 mod log;

@@ -104,7 +104,7 @@ impl StationNode {
                 WholeMessage::Inputs(image) => StationArrival::Inputs(*image),
                 WholeMessage::Heard(_) | WholeMessage::Outputs(_) => return,
             },
-            LinkPayload::Panel(command) => StationArrival::Panel(*command),
+            LinkPayload::Panel(command) => StationArrival::Panel { console: CONSOLE, command: *command },
             LinkPayload::Rejoin(within) => StationArrival::Rejoin((*within).into(), &[]),
             LinkPayload::Again
             | LinkPayload::Heard(_)
@@ -239,7 +239,7 @@ impl CoordinatorNode {
                 WholeMessage::Report(_) | WholeMessage::Order(_) | WholeMessage::Inputs(_) => return,
             },
             LinkPayload::Command(command) => CoordinatorArrival::Command(*command),
-            LinkPayload::Buttons(held) => CoordinatorArrival::Buttons(*held),
+            LinkPayload::Buttons(held) => CoordinatorArrival::Buttons { console: CONSOLE, held: *held },
             LinkPayload::Resume(held) => CoordinatorArrival::Resume { console: CONSOLE, held: *held },
             LinkPayload::Again
             | LinkPayload::Report(_)

@@ -4,6 +4,7 @@
 //! uses only what the stock tools can use.
 
 mod operate;
+mod requests;
 mod why;
 
 use std::sync::Arc;
@@ -24,6 +25,7 @@ use tokio::sync::mpsc;
 use crate::client::{join, not_heard};
 
 pub use operate::{AnswerArgs, CellJson, OrderArgs, ResourceArgs, answer, order, resource};
+pub use requests::{CellReply, REPLY_WITHIN};
 pub use why::{WhyArgs, why};
 
 /// Time for an answer. A request sent before the other side is discovered gets none, so it is repeated.
@@ -42,16 +44,34 @@ pub struct CellClient {
     newest: NewestBySequence,
     /// With its time of arrival.
     state: Option<(CellState, Tick)>,
-    submit: Caller<SubmitOrders>,
-    cancel: Caller<ChangeOrder>,
-    withdraw: Caller<ChangeOrder>,
-    why: Arc<Caller<WhyNot>>,
-    answer: Caller<AnswerAlarm>,
-    resource: Caller<SetResource>,
+    callers: Arc<CellCallers>,
     domain_id: u16,
     _task: Forward,
     // The node must outlive what it has opened.
-    _node: RosNode,
+    node: RosNode,
+}
+
+/// The services of a cell's coordinator.
+struct CellCallers {
+    submit: Caller<SubmitOrders>,
+    cancel: Caller<ChangeOrder>,
+    withdraw: Caller<ChangeOrder>,
+    why: Caller<WhyNot>,
+    answer: Caller<AnswerAlarm>,
+    resource: Caller<SetResource>,
+}
+
+impl CellCallers {
+    fn open(node: &mut RosNode) -> miette::Result<Self> {
+        Ok(CellCallers {
+            submit: caller(node, "submit_order")?,
+            cancel: caller(node, "cancel_order")?,
+            withdraw: caller(node, "withdraw_order")?,
+            why: caller(node, "why_not")?,
+            answer: caller(node, "answer_alarm")?,
+            resource: caller(node, "set_resource")?,
+        })
+    }
 }
 
 impl CellClient {
@@ -67,15 +87,10 @@ impl CellClient {
             clock: Clock::start(),
             newest: NewestBySequence::new(CELL_FRESH),
             state: None,
-            submit: caller(&mut node, "submit_order")?,
-            cancel: caller(&mut node, "cancel_order")?,
-            withdraw: caller(&mut node, "withdraw_order")?,
-            why: Arc::new(caller(&mut node, "why_not")?),
-            answer: caller(&mut node, "answer_alarm")?,
-            resource: caller(&mut node, "set_resource")?,
+            callers: Arc::new(CellCallers::open(&mut node)?),
             domain_id,
             _task: forward(state, to, |message, _| Some(message)),
-            _node: node,
+            node,
         })
     }
 
@@ -127,27 +142,27 @@ impl CellClient {
     /// # Errors
     /// All faults of the requests, or no answer.
     pub async fn submit(&self, requests: Vec<ProductionRequest>) -> miette::Result<Vec<u64>> {
-        let response = ask(&self.submit, &SubmitOrdersRequest { requests }).await?;
+        let response = ask(&self.callers.submit, &SubmitOrdersRequest { requests }).await?;
         if response.accepted { Ok(response.ids) } else { Err(miette!("{}", response.problems.join("\n"))) }
     }
 
     /// Nothing more of an order enters.
     pub async fn cancel(&self, name: &str) -> miette::Result<()> {
-        change(&self.cancel, name).await
+        change(&self.callers.cancel, name).await
     }
 
     /// An order of which nothing has entered is as if it had never been.
     pub async fn withdraw(&self, name: &str) -> miette::Result<()> {
-        change(&self.withdraw, name).await
+        change(&self.callers.withdraw, name).await
     }
 
     /// Why resources are left out; without those of which the coordinator does not answer.
     pub fn reasons(&self, resources: Vec<String>) -> impl Future<Output = ReasonsByResource> + use<> {
-        let why = self.why.clone();
+        let callers = self.callers.clone();
         async move {
             let mut known = ReasonsByResource::new();
             for about in resources {
-                if let Ok(response) = ask(&why, &WhyNotRequest { about: about.clone() }).await {
+                if let Ok(response) = ask(&callers.why, &WhyNotRequest { about: about.clone() }).await {
                     known.insert(about, response.lines);
                 }
             }
@@ -157,21 +172,21 @@ impl CellClient {
 
     /// Why a part or an order does not go on.
     pub async fn why(&self, about: &str) -> miette::Result<Vec<String>> {
-        let response = ask(&self.why, &WhyNotRequest { about: about.to_owned() }).await?;
+        let response = ask(&self.callers.why, &WhyNotRequest { about: about.to_owned() }).await?;
         if response.known { Ok(response.lines) } else { Err(miette!("{}", response.lines.join("\n"))) }
     }
 
     /// Answers an alarm, after its instruction was carried out.
     pub async fn answer(&self, alarm: u64, word: &str) -> miette::Result<()> {
         let asked = AnswerAlarmRequest { alarm, word: word.to_owned(), by: who() };
-        let response = ask(&self.answer, &asked).await?;
+        let response = ask(&self.callers.answer, &asked).await?;
         done(response.accepted, &response.reason)
     }
 
     /// Changes the state of a resource: one of the constants of [`SetResourceRequest`].
     pub async fn resource(&self, resource: &str, what: u8, text: &str) -> miette::Result<()> {
         let asked = SetResourceRequest { resource: resource.to_owned(), what, text: text.to_owned(), by: who() };
-        let response = ask(&self.resource, &asked).await?;
+        let response = ask(&self.callers.resource, &asked).await?;
         done(response.accepted, &response.reason)
     }
 }

@@ -111,7 +111,7 @@ pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
 }
 
 /// Name of an order that is given none: the part type and the time, to the millisecond, so that two in a second have two names.
-fn usual_name(product: &str, wall: Duration) -> String {
+pub(super) fn usual_name(product: &str, wall: Duration) -> String {
     format!("{product} {}.{:03}", wall.as_secs(), wall.subsec_millis())
 }
 
@@ -124,7 +124,7 @@ fn done(as_json: bool, text: &str, object: Value) -> miette::Result<()> {
     Ok(())
 }
 
-fn moment(now: Duration, after: Option<f64>, option: &str) -> miette::Result<Time> {
+pub(super) fn moment(now: Duration, after: Option<f64>, option: &str) -> miette::Result<Time> {
     let Some(seconds) = after else { return Ok(Time::default()) };
     let span = Duration::try_from_secs_f64(seconds).ok().filter(|span| span.as_secs() < 1_000_000_000);
     let span = span.ok_or_else(|| miette!("{option} {seconds}: expected seconds from now, 0 to 1000000000"))?;

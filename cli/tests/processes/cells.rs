@@ -21,14 +21,14 @@ use crate::support::operator::Operator;
 use crate::support::rig::{BUS, Rig, TIMING};
 use crate::support::wait_for;
 
-const LONG: Duration = Duration::from_secs(90);
+pub const LONG: Duration = Duration::from_secs(90);
 
 /// What can be answered when the robot came to machine 1 without the part.
 const ANSWERS: &str = "Answers: in-store (once more, part at ST; not measured: look at ST), scrap (part gone; not measured: look at ST), \
     in-machine (done, part at M1; contradicts the sensors: M1: part expected, sensor off)";
 
 /// A shipped cell, so many times as fast.
-fn cell(name: &str, times: f64) -> Rig {
+pub fn cell(name: &str, times: f64) -> Rig {
     let file = |file: &str| {
         let path = format!("{}/../launch-config/lines/{name}/{file}", env!("CARGO_MANIFEST_DIR"));
         std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))

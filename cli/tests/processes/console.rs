@@ -21,7 +21,7 @@ use crate::support::rig::{Rig, line, send_signal};
 use crate::support::{PATIENCE, wait_for};
 
 /// A page of the console.
-struct PageOfConsole {
+pub struct PageOfConsole {
     socket: WebSocket<TcpStream>,
     reader: PageReader,
     connection: u64,
@@ -29,7 +29,7 @@ struct PageOfConsole {
 }
 
 impl PageOfConsole {
-    fn open(address: &str) -> Self {
+    pub fn open(address: &str) -> Self {
         let stream = TcpStream::connect(address).expect("it listens");
         stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
         let mut request = format!("ws://{address}/feed").into_client_request().expect("a request");
@@ -43,21 +43,39 @@ impl PageOfConsole {
 
     /// Does something, as of the frame that was read last.
     fn act(&mut self, act: PageAct) {
-        let operation = PageOperation { seen_ms: self.reader.now_ms(), act };
+        let operation = PageOperation { seen_ms: self.reader.now_ms(), act, step: None };
         let text = serde_json::to_string(&operation).expect("JSON");
         self.socket.send(Message::text(text)).expect("sent");
     }
 
-    fn take_control(&mut self) {
+    /// Does something, as of a frame of now. The first one that is read may have waited since the last one was.
+    pub fn give(&mut self, act: PageAct) {
+        self.next().expect("a frame");
+        self.next().expect("a frame");
+        self.act(act);
+    }
+
+    /// Holds on to what is pressed.
+    fn beat(&mut self, number: u64) {
+        self.next().expect("a frame");
+        self.act(PageAct::Beat { number });
+    }
+
+    pub fn take_control(&mut self) {
         self.next().expect("a frame");
         self.act(PageAct::Take { name: "Ada".to_owned() });
         let own = self.connection;
         self.wait("control", |page| page["control"]["holder"]["connection"] == own);
     }
 
-    fn command(&mut self, word: &str, mode: &'static str) {
-        self.next().expect("a frame");
-        self.act(PageAct::Command { word: word.to_owned(), station: None });
+    /// Waits until this stands at one of its buttons.
+    pub fn wait_note(&mut self, text: &str) {
+        let own = self.connection.to_string();
+        self.wait(text, |page| page["control"]["notes"][&own]["text"].as_str().is_some_and(|of| of.contains(text)));
+    }
+
+    pub fn command(&mut self, word: &str, mode: &'static str) {
+        self.give(PageAct::Command { word: word.to_owned(), station: None });
         self.wait(mode, is_mode(mode));
     }
 
@@ -70,7 +88,7 @@ impl PageOfConsole {
     }
 
     /// Reads until the page is so.
-    fn wait(&mut self, what: &str, holds: impl Fn(&Value) -> bool) -> Value {
+    pub fn wait(&mut self, what: &str, holds: impl Fn(&Value) -> bool) -> Value {
         let is_there = wait_for(PATIENCE * 2, || {
             // One that was not read for a while, as on a busy machine, is dropped and connects again.
             if self.next().is_none() {
@@ -84,7 +102,7 @@ impl PageOfConsole {
 }
 
 /// A console that runs, with the address that it has printed.
-fn console(rig: &Rig) -> (Child, String) {
+pub fn console(rig: &Rig) -> (Child, String) {
     let mut command = rig.command(&["console"], &["--listen", "127.0.0.1:0"]);
     let log = File::create(rig.state().join("console.log")).expect("a file");
     let mut child =
@@ -95,7 +113,7 @@ fn console(rig: &Rig) -> (Child, String) {
     (child, address.unwrap_or_else(|| panic!("no address: {printed}")).to_owned())
 }
 
-fn is_mode(word: &'static str) -> impl Fn(&Value) -> bool {
+pub fn is_mode(word: &'static str) -> impl Fn(&Value) -> bool {
     move |page| page["mode"]["word"] == word && page["mode"]["is_known"] == true
 }
 
@@ -154,19 +172,41 @@ fn refused(rig: &Rig, in_use: &str) {
     }
 }
 
-/// Holds *advance* of the bar at a page until it moves, and loses the page; prints how long it moved on.
-fn stops_without(what: &str, address: &str, operator: &Operator, lose: impl FnOnce(PageOfConsole)) {
+/// A page that holds *advance* of the bar, which moves.
+fn holding(what: &str, address: &str, operator: &Operator) -> PageOfConsole {
     let mut page = PageOfConsole::open(address);
     page.take_control();
-    let moves = || !operator.heard().station("transfer").stopped;
-    page.next().expect("a frame");
-    page.act(PageAct::Press { number: 1, station: Some("transfer".to_owned()), button: "advance".to_owned() });
+    page.give(PageAct::Press { number: 1, station: Some("transfer".to_owned()), button: "advance".to_owned() });
     let began = wait_for(PATIENCE, || {
-        page.next().expect("a frame");
-        page.act(PageAct::Beat { number: 1 });
-        moves()
+        page.beat(1);
+        !operator.heard().station("transfer").stopped
     });
     assert!(began, "{what}: it moves: {:#}", page.reader.page()["control"]);
+    page
+}
+
+/// While a page holds *advance* another console holds it too: the bar stands, and stays.
+fn stops_for_a_second_console(address: &str, operator: &Operator) {
+    let mut page = holding("beside another console", address, operator);
+    let finger = operator.hold("transfer", "advance");
+    let has_stopped = wait_for(PATIENCE, || {
+        page.beat(1);
+        operator.heard().station("transfer").stopped
+    });
+    assert!(has_stopped, "it stands");
+    let until = Instant::now() + Duration::from_secs(1);
+    while Instant::now() < until {
+        page.beat(1);
+        assert!(operator.heard().station("transfer").stopped, "both hold on, and it stands");
+    }
+    page.wait("why it stands", |page| page["stations"].to_string().contains("two consoles send a button of it"));
+    drop(finger);
+}
+
+/// Holds *advance* of the bar at a page until it moves, and loses the page; prints how long it moved on.
+fn stops_without(what: &str, address: &str, operator: &Operator, lose: impl FnOnce(PageOfConsole)) {
+    let page = holding(what, address, operator);
+    let moves = || !operator.heard().station("transfer").stopped;
     let lost = Instant::now();
     lose(page);
     assert!(wait_for(PATIENCE, || !moves()), "{what}: it stops");
@@ -191,19 +231,13 @@ fn one_page_commands_a_line_and_what_it_holds_ends_with_it() {
     let mut page = PageOfConsole::open(&address);
     page.wait("home", is_mode("home"));
     page.act(PageAct::Command { word: "start".to_owned(), station: None });
-    page.wait("why not", |page| {
-        page["control"]["note"]["text"].as_str().is_some_and(|of| of.contains("this page has no control"))
-    });
+    page.wait_note("this page has no control");
     page.take_control();
     page.command("start", "stand-by");
     page.command("auto", "auto");
     page.next().expect("a frame");
     page.act(PageAct::Command { word: "hand".to_owned(), station: None });
-    page.wait("why not", |page| {
-        page["control"]["note"]["text"]
-            .as_str()
-            .is_some_and(|of| of.starts_with("not possible in auto; possible: stop"))
-    });
+    page.wait_note("not possible in auto; possible: stop");
     let mut other = PageOfConsole::open(&address);
     other.take_control();
     let own = other.connection;
@@ -214,6 +248,7 @@ fn one_page_commands_a_line_and_what_it_holds_ends_with_it() {
     other.wait("reset", |page| page["mode"]["text"].as_str().is_some_and(|of| of.contains("select manual")));
     other.command("manual", "manual");
     drop((page, other));
+    stops_for_a_second_console(&address, &operator);
     stops_without("a page that is cut off", &address, &operator, drop);
     stops_without("a page that is silent", &address, &operator, std::mem::forget);
     stops_without("a console that is killed", &address, &operator, |_page| {

@@ -12,6 +12,7 @@ mod beside;
 mod cell_thread;
 mod cells;
 mod console;
+mod console_of_cell;
 mod described;
 mod devices;
 mod full_disk;

@@ -133,8 +133,8 @@ t5=r4&&r4.s!==void 0;for(var f5 in n3)return!0;if(this.__f||typeof this.u=="bool
 4&this.__$f)||3&this.__$f)return!0;for(var e4 in i4)if(e4!=="__source"&&i4[e4]!==this.props[e4])return!0;for(var u4 in this.props)if(!(u4 in i4))return!0;return!1};
 function useSignal(i4,n3){return w2(function(){return y3(i4,n3)},[])}var A3=function(i4){queueMicrotask(function(){queueMicrotask(i4)})};function F3(){r3(function(){for(var i4;i4=g4.shift();)h4.call(i4)})}function M(){g4.push(this)===1&&(n.requestAnimationFrame||A3)(F3)}var LOST_AFTER_MS=380,LOOK_EVERY_MS=50,CONNECT_AGAIN_MS=400,SILENT_MS=3e3,shown=y3(null),lost_for=y3(null),connection=y3(null),socket=null,greeted=null,seen_ms=0,
 lost_listener=()=>{};function on_loss(listener){lost_listener=listener}function is_live(){return connection.value!==null&&performance.now()-drawn_at<=LOST_AFTER_MS}
-function operate(act){return socket===null||socket.readyState!==WebSocket.OPEN||connection.value===null?!1:socket.bufferedAmount>2e3?(socket.close(),!1):(socket.
-send(JSON.stringify({seen_ms,act})),!0)}var sequence=0,drawn_at=-1/0,received_at=performance.now(),least_offset=1/0;function drawn(of){drawn_at=Math.max(drawn_at,
+function operate(act,step){return socket===null||socket.readyState!==WebSocket.OPEN||connection.value===null?!1:socket.bufferedAmount>2e3?(socket.close(),!1):(socket.
+send(JSON.stringify({seen_ms,act,step})),!0)}var sequence=0,drawn_at=-1/0,received_at=performance.now(),least_offset=1/0;function drawn(of){drawn_at=Math.max(drawn_at,
 performance.now()-of.late_ms),seen_ms=of.now_ms,look()}function changed(value,path,at2,to){if(at2===path.length)return to;let step=path[at2];if(Array.isArray(value)&&
 typeof step=="number"&&step<value.length){let copy=value.slice();return copy[step]=changed(value[step],path,at2+1,to),copy}if(value!==null&&typeof value=="objec\
 t"&&Object.hasOwn(value,step)){let from=value;return{...from,[step]:changed(from[step],path,at2+1,to)}}throw new Error("a change at a place that the page does n\
@@ -157,15 +157,21 @@ s`,now:"now",last_frame:"last frame",window:"Time shown",seconds:seconds=>`${sec
 onsole for ${seconds} s. Values that are struck through are from before.`,never:"No connection to the console yet.",operate:"Operate",no_safety:"No button of th\
 is page is a safety function, and none is an emergency stop device.",control_none:"Control: nobody. All pages read.",control_own:since=>`Control: this page, for\
  ${since}`,control_other:(name2,since)=>`Control: ${name2}, for ${since}. This page reads.`,control_taken:name2=>`Control was taken over by ${name2}. This page \
-reads.`,control_gone:"This page had control, and has it no more.",pressed:button=>`${button} is held`,your_name:"Your name",take:"Take control",take_over:"Take \
-control over",give_up:"Give control up",read:"Read",no_control:"this page has no control; take it first (in the head of the page)",not_live:"the page shows what\
- is of before; nothing is given",hold_it:"hold",is_held:"held",console_buttons:"Buttons of the console",selector:manual=>`selector at ${manual?"manual":"auto"}`,
-selector_unknown:"selector unknown",plan:"The way back to auto",since:why=>`since ${why}`,stands:how=>`if it stands so: ${how}`,ended_stalled:"released: the pag\
-e was too busy; hold it again",ended_lost:"released: no connection to the console; hold it again when it is back",ended_away:"released: the page was left; hold \
-it again",ended_control:"released: this page has no control any more",ended_left:"released: the pointer has left the button; hold it again",ended_second:"releas\
-ed: something else was touched meanwhile; let go, then hold it again",ended_cancelled:"released: the browser has taken the pointer; hold it again"},health={unknown:"\
-unknown",emergency_stop:"emergency stop",fault:"fault",left_out:"left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"\
-under way back",halted:"begun, stands",stopped:"stopped before its end",unknown:"unknown"},command_labels={estop:"all outputs off — no safety function"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
+reads.`,control_gone:"This page had control, and has it no more.",pressed:button2=>`${button2} is held`,your_name:"Your name",take:"Take control",take_over:"Tak\
+e control over",give_up:"Give control up",read:"Read",no_control:"this page has no control; take it first (in the head of the page)",not_live:"the page shows wh\
+at is of before; nothing is given",hold_it:"hold",is_held:"held",console_buttons:"Buttons of the console",selector:manual=>`selector at ${manual?"manual":"auto"}`,
+selector_unknown:"selector unknown",plan:"The way back to auto",no_next:"no step that has a button here",since:why=>`since ${why}`,stands:how=>`if it stands so:\
+ ${how}`,choose:"choose…",alarm:"Alarm",note:"Note",acknowledge:"Acknowledge: it is seen",acknowledged:of=>`${of.by}, ${of.age} ago${of.note&&`: ${of.note}`}`,
+choose_alarm:"choose the alarm first",answer:"Answer",give_answer:"Give the answer: it is done, and so it is",choose_answer:"choose an alarm of the cell and its\
+ answer first",order_new:"New order",product:"Product",quantity:"Number of parts",order_name:"Name (optional)",due_minutes:"Due in minutes (optional)",submit:"S\
+ubmit the order",choose_product:"choose the product and a whole number of parts first",order_or_resource:"An order, or a resource",resource:"Resource",why:about=>about===
+void 0?"Why not?":`Why not? (${about})`,cancel:"Cancel the order",withdraw:"Withdraw the order",choose_order:"choose an order or a resource first",down:"Take ou\
+t of service",up:"Back into service",reset_resource:"Reset its station",choose_resource:"choose a resource first",ended_stalled:"released: the page was too busy\
+; hold it again",ended_lost:"released: no connection to the console; hold it again when it is back",ended_away:"released: the page was left; hold it again",ended_control:"\
+released: this page has no control any more",ended_left:"released: the pointer has left the button; hold it again",ended_second:"released: something else was to\
+uched meanwhile; let go, then hold it again",ended_cancelled:"released: the browser has taken the pointer; hold it again"},health={unknown:"unknown",emergency_stop:"\
+emergency stop",fault:"fault",left_out:"left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"under way back",halted:"b\
+egun, stands",stopped:"stopped before its end",unknown:"unknown"},command_labels={estop:"all outputs off — no safety function"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
 props:p5,key:n3,ref:c4,__k:null,__:null,__b:0,__e:null,__c:null,constructor:f4,__v:--o4,__i:-1,__u:0};return(a5||i4)&&(s4.__source=a5,s4.__self=i4),n.vnode&&n.vnode(
 s4),s4}var WINDOWS_S=[12,30,60,120],WIDTH=1e3,HEIGHT=18,window_s=y3(30);function bar(stretch,now_ms,span_ms){let x3=at2=>WIDTH*(1-(now_ms-at2)/span_ms),from=Math.max(0,
 x3(stretch.from_ms)),to=x3(stretch.to_ms??now_ms);return to<=0?null:a4("rect",{class:`bar ${stretch.kind}`,x:from,y:"2",width:Math.max(to-from,1),height:HEIGHT-
@@ -179,19 +185,19 @@ aceOnUse",patternTransform:"rotate(45)",children:[a4("rect",{class:"hatch-ground
 a4("fieldset",{class:"choice",children:[a4("legend",{children:t4.window}),WINDOWS_S.map(seconds=>a4("button",{"aria-pressed":window_s.value===seconds,onClick:()=>window_s.
 value=seconds,children:t4.seconds(seconds)},seconds))]}),a4(Legend,{}),shown2.page.lanes.map(of=>a4("table",{class:"lanes",children:[a4("caption",{children:of.station}),
 a4("tbody",{children:of.lanes.map((lane,at2)=>a4(LaneRow,{lane,shown:shown2},at2))}),a4("tfoot",{children:a4("tr",{children:[a4("td",{colSpan:2}),a4("td",{class:"\
-axis",children:[a4("span",{children:t4.ago(window_s.value)}),a4("span",{children:lost_for.value===null?t4.now:t4.last_frame})]})]})})]},of.station))]})}var BEAT_MS=100,STALLED_MS=250,last=0,hold=null,held=y3(null),ended=y3(null);function is_inside(of){if(!of.element.isConnected)return!1;if(of.pointer===null)return document.
-activeElement===of.element;let at2=document.elementFromPoint(of.pointer.x,of.pointer.y);return at2!==null&&of.element.contains(at2)}function beat(){if(hold===null)
-return;let now=performance.now(),page=shown.value?.page;now-hold.beat_at>STALLED_MS?end(t4.ended_stalled):!is_live()||hold.connection!==connection.value?end(t4.
-ended_lost):document.hidden||!document.hasFocus()?end(t4.ended_away):page?.control.holder?.connection!==connection.value?end(t4.ended_control):page.control.note!==
-null&&page.control.note.connection===hold.connection&&page.control.note.press===hold.number?end(page.control.note.text):is_inside(hold)?(hold.beat_at=now,operate(
-{beat:{number:hold.number}})||end(t4.ended_lost)):end(t4.ended_left)}function begin2(key,act,element,pointer){if(hold!==null)return end(t4.ended_second);if(!("p\
-ress"in act))return;last+=1;let is_sent=is_live()&&operate({press:{...act.press,number:last}});ended.value=is_sent?null:{key,why:t4.ended_lost},!(!is_sent||connection.
+axis",children:[a4("span",{children:t4.ago(window_s.value)}),a4("span",{children:lost_for.value===null?t4.now:t4.last_frame})]})]})})]},of.station))]})}var BEAT_MS=100,STALLED_MS=250,last=0,hold=null,held=y3(null),ended=y3(null);function is_inside(of){if(!of.element.isConnected||of.element.dataset.key!==of.key)
+return!1;if(of.pointer===null)return document.activeElement===of.element;let at2=document.elementFromPoint(of.pointer.x,of.pointer.y);return at2!==null&&of.element.
+contains(at2)}function beat(){if(hold===null)return;let now=performance.now(),page=shown.value?.page,note=page?.control.notes[hold.connection];now-hold.beat_at>
+STALLED_MS?end(t4.ended_stalled):!is_live()||hold.connection!==connection.value?end(t4.ended_lost):document.hidden||!document.hasFocus()?end(t4.ended_away):page?.
+control.holder?.connection!==connection.value?end(t4.ended_control):note?.press===hold.number?end(note.text):is_inside(hold)?(hold.beat_at=now,operate({beat:{number:hold.
+number}})||end(t4.ended_lost)):end(t4.ended_left)}function begin2(of,element,pointer){let{key,act,step}=of;if(hold!==null)return end(t4.ended_second);if(!("pres\
+s"in act))return;last+=1;let is_sent=is_live()&&operate({press:{...act.press,number:last}},step);ended.value=is_sent?null:{key,why:t4.ended_lost},!(!is_sent||connection.
 value===null)&&(hold={key,number:last,connection:connection.value,element,pointer,timer:setInterval(beat,BEAT_MS),beat_at:performance.now()},held.value=key)}function end(why){
 if(hold===null)return;let{key,number,timer}=hold;clearInterval(timer),hold=null,held.value=null,why!==null&&(ended.value={key,why}),operate({release:{number}})}
-function holds(key,act,may,refuse){return{onPointerDown:event=>{if(event.preventDefault(),!event.isPrimary||event.button!==0)return end(t4.ended_second);let element=event.
-currentTarget;if(element.focus(),!may)return refuse();begin2(key,act,element,{id:event.pointerId,x:event.clientX,y:event.clientY})},onKeyDown:event=>{if(event.code!==
+function holds(of,may,refuse){return{onPointerDown:event=>{if(event.preventDefault(),!event.isPrimary||event.button!==0)return end(t4.ended_second);let element=event.
+currentTarget;if(element.focus(),!may)return refuse();begin2(of,element,{id:event.pointerId,x:event.clientX,y:event.clientY})},onKeyDown:event=>{if(event.code!==
 "Space"){hold!==null&&hold.pointer===null&&end(t4.ended_second);return}if(event.preventDefault(),!(event.repeat||event.ctrlKey||event.altKey||event.metaKey)){if(!may)
-return refuse();begin2(key,act,event.currentTarget,null)}},onContextMenu:event=>event.preventDefault(),onClick:event=>event.preventDefault()}}function watch_holds(){
+return refuse();begin2(of,event.currentTarget,null)}},onContextMenu:event=>event.preventDefault(),onClick:event=>event.preventDefault()}}function watch_holds(){
 let on=(name2,end_of)=>addEventListener(name2,event=>hold?.pointer&&end_of(event),{capture:!0});on("pointermove",event=>{let at2=hold.pointer;event.pointerId===
 at2.id&&([at2.x,at2.y]=[event.clientX,event.clientY],event.buttons!==1?end(event.buttons===0?null:t4.ended_second):is_inside(hold)||end(t4.ended_left))});for(let name2 of[
 "pointerup","pointercancel"])on(name2,event=>event.pointerId===hold.pointer.id&&end(name2==="pointerup"?null:t4.ended_cancelled));let second=event=>{hold!==null&&
@@ -204,34 +210,56 @@ null&&event.target===hold.element&&end(t4.ended_left)),on_loss(()=>end(t4.ended_
 function HealthSign({of}){return a4("span",{class:`health ${of} value`,children:health[of]})}function List({of}){return a4("ul",{children:of.map((text,at2)=>a4(
 "li",{class:"value",children:text},at2))})}function Heads({of}){return a4("thead",{children:a4("tr",{children:of.map(head=>a4("th",{scope:"col",children:head},head))})})}
 function Named({head,of}){return of.length>0?a4("p",{class:"value",children:`${head}: ${of.join(", ")}`}):null}var asked=y3(null),name=y3("");function has_control(page){return page.control.holder!==null&&page.control.holder.connection===connection.value}var is_stop=act=>"\
-command"in act&&act.command.word==="estop";function why_not(page,button){return is_stop(button.act)?button.why_not:lost_for.value!==null?t4.not_live:has_control(
-page)?button.why_not:t4.no_control}function remark(page,button){let{note}=page.control;if(ended.value?.key===button.key)return ended.value.why;if(note!==null&&note.
-connection===connection.value&&note.key===button.key)return note.text;let word="command"in button.act?[button.act.command.word,button.act.command.station].filter(
-Boolean).join(" "):null;return word!==null&&word===page.mode.refused?page.mode.refusal:asked.value?.key===button.key&&asked.value.why===why_not(page,button)?asked.
-value.why:null}function ActButton({page,button}){let why=why_not(page,button),refuse=()=>asked.value=why===null?null:{key:button.key,why},is_hold="press"in button.
-act,handlers=is_hold?holds(button.key,button.act,why===null,refuse):{onClick:()=>{refuse(),ended.value=null,why===null&&operate(button.act)}},label="command"in button.
-act&&button.act.command.station===void 0?command_labels[button.label]??button.label:button.label,is_held=held.value===button.key;return a4("button",{type:"butto\
-n",class:`${is_hold?"hold":""} ${is_stop(button.act)?"stop":""} ${is_held?"is-held":""}`,"aria-disabled":why!==null,"aria-pressed":is_hold?is_held:void 0,"data-\
-key":button.key,...handlers,children:[label,is_hold&&a4("small",{children:is_held?t4.is_held:t4.hold_it})]})}function Acts({page,of}){let remarked=of.map(button=>[
-button.label,remark(page,button)]).find(([,text])=>text!==null);return a4($,{children:[a4("div",{class:"acts",children:of.map(button=>a4(ActButton,{page,button},
-button.key))}),a4("p",{class:"remark",role:"status",children:remarked&&`${remarked[0]}: ${remarked[1]}`})]})}function Control({page}){let{holder,press,note}=page.
-control,is_own=has_control(page),refused=note!==null&&note.connection===connection.value&&note.key==="control"?note.text:null;return a4("div",{class:is_own?"con\
-trol own":"control",id:"control",children:[a4("span",{class:"value",children:[holder===null?t4.control_none:is_own?t4.control_own(holder.since):t4.control_other(
-holder.name,holder.since),press!==null&&` · ${t4.pressed(press.button)}`]}),!is_own&&a4("input",{"aria-label":t4.your_name,placeholder:t4.your_name,maxLength:40,
-value:name.value,onInput:event=>name.value=event.target.value}),a4("button",{type:"button","data-key":"control",onClick:()=>operate(is_own?{give_up:{}}:{take:{name:name.
-value}}),children:is_own?t4.give_up:holder===null?t4.take:t4.take_over}),refused!==null&&a4("span",{class:"remark",role:"status",children:refused})]})}function Plan({
-page}){let plan=page.plan;return plan===null?null:a4("section",{class:"plan",children:[a4("h2",{children:t4.plan}),a4(List,{of:plan.begin}),a4("ol",{children:plan.
-steps.map((step,at2)=>a4("li",{class:at2===plan.next?"value next":"value","aria-current":at2===plan.next?"step":void 0,children:[step.text,step.since!==null&&a4(
-"p",{children:t4.since(step.since)}),a4(List,{of:step.stands.map(t4.stands)})]},at2))}),plan.button!==null&&a4($,{children:[a4("h3",{children:t4.next}),a4(Acts,
-{page,of:[with_reason(page,plan.button)]})]}),a4(List,{of:plan.end})]})}function with_reason(page,button){let{commands,hand,resume,panels}=page.operate,same=[...commands,
-...hand,resume,...panels.flatMap(panel=>[...panel.holds,...panel.selects])].find(of=>of.key===button.key);return same===void 0?button:{...button,why_not:same.why_not}}
-function Operate({page}){let{commands,hand,resume,panels}=page.operate;return a4($,{children:[a4("p",{class:page.mode.is_known?"value text fixed":"value text fi\
-xed is-unknown",children:page.mode.text}),a4(Acts,{page,of:commands}),a4(Plan,{page}),a4("section",{children:[a4("h2",{children:t4.console_buttons}),a4(Acts,{page,
-of:[...hand,resume]})]}),panels.map((panel,at2)=>{let station=page.stations[at2];return a4("section",{children:[a4("h2",{children:[panel.station," ",station&&a4(
-HealthSign,{of:station.health})]}),a4(Acts,{page,of:[...panel.holds,...panel.selects]}),a4("div",{class:"fixed",children:[station&&a4("p",{class:station.moves?"\
-value moves":"value",children:station.unknown??station.operation}),station?.fault&&a4("p",{class:"value fault-text",children:station.fault}),a4("p",{class:"valu\
-e",children:panel.is_manual===null?t4.selector_unknown:t4.selector(panel.is_manual)}),station&&station.waits_for.length>0&&a4($,{children:[a4("p",{children:[t4.
-waits_for,":"]}),a4(List,{of:station.waits_for})]})]})]},panel.station)})]})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
+command"in act&&act.command.word==="estop";function why_not(page,button2){return is_stop(button2.act)?button2.why_not:lost_for.value!==null?t4.not_live:"why"in button2.
+act||has_control(page)?button2.why_not:t4.no_control}function refused_as({act,label}){return"command"in act?[act.command.word,act.command.station].filter(Boolean).
+join(" "):"press"in act&&act.press.station===void 0?label==="resume"?"resume":"buttons":null}function remark(page,button2){let note=page.control.notes[connection.
+value??0];if(ended.value?.key===button2.key)return ended.value.why;if(note?.key===button2.key)return note.text;let word=refused_as(button2);return word!==null&&
+word===page.mode.refused?page.mode.refusal:asked.value?.key===button2.key&&asked.value.why===why_not(page,button2)?asked.value.why:null}function ActButton({page,
+button:button2,step}){let why=why_not(page,button2),refuse=()=>asked.value=why===null?null:{key:button2.key,why},is_hold="press"in button2.act,handlers=is_hold?
+holds({key:button2.key,act:button2.act,step},why===null,refuse):{onClick:()=>{refuse(),ended.value=null,why===null&&operate(button2.act,step)}},label="command"in
+button2.act&&button2.act.command.station===void 0?command_labels[button2.label]??button2.label:button2.label,is_held=held.value===button2.key;return a4("button",
+{type:"button",class:`${is_hold?"hold":""} ${is_stop(button2.act)?"stop":""} ${is_held?"is-held":""}`,"aria-disabled":why!==null,"aria-pressed":is_hold?is_held:
+void 0,"data-key":button2.key,...handlers,children:[label,is_hold&&a4("small",{children:is_held?t4.is_held:t4.hold_it})]})}function Acts({page,of,step}){let remarked=of.
+map(button2=>[button2.label,remark(page,button2)]).find(([,text])=>text!==null);return a4($,{children:[a4("div",{class:"acts",children:of.map(button2=>a4(ActButton,
+{page,button:button2,step},step===void 0?`${button2.key} ${button2.label}`:"next step"))}),a4("p",{class:"remark",role:"status",children:remarked&&`${remarked[0]}\
+: ${remarked[1]}`})]})}function Control({page}){let{holder,press,notes}=page.control,is_own=has_control(page),note=notes[connection.value??0],refused=note?.key===
+"control"?note.text:null;return a4("div",{class:is_own?"control own":"control",id:"control",children:[a4("span",{class:"value",children:[holder===null?t4.control_none:
+is_own?t4.control_own(holder.since):t4.control_other(holder.name,holder.since),press!==null&&` · ${t4.pressed(press.button)}`]}),!is_own&&a4("input",{"aria-lab\
+el":t4.your_name,placeholder:t4.your_name,maxLength:40,value:name.value,onInput:event=>name.value=event.target.value}),a4("button",{type:"button","data-key":"co\
+ntrol",onClick:()=>operate(is_own?{give_up:{}}:{take:{name:name.value}}),children:is_own?t4.give_up:holder===null?t4.take:t4.take_over}),refused!==null&&a4("spa\
+n",{class:"remark",role:"status",children:refused})]})}function Plan({page}){let{plan}=page;return a4("section",{class:"plan",children:[a4("h2",{children:t4.plan}),
+a4("div",{class:"next-step",children:plan?.button?a4(Acts,{page,of:[plan.button],step:plan.step}):a4("p",{children:t4.no_next})}),plan!==null&&a4("div",{class:"\
+steps",tabIndex:0,children:[a4(List,{of:plan.begin}),a4("ol",{children:plan.steps.map((step,at2)=>a4("li",{class:at2===plan.next?"value next":"value","aria-curr\
+ent":at2===plan.next?"step":void 0,children:[step.text,step.since!==null&&a4("p",{children:t4.since(step.since)}),a4(List,{of:step.stands.map(t4.stands)})]},at2))}),
+a4(List,{of:plan.end})]})]})}function Operate({page}){let{commands,hand,resume,panels}=page.operate;return a4($,{children:[a4("p",{class:page.mode.is_known?"val\
+ue text fixed":"value text fixed is-unknown",children:page.mode.text}),a4(Acts,{page,of:commands}),a4(Plan,{page}),a4("section",{children:[a4("h2",{children:t4.
+console_buttons}),a4(Acts,{page,of:[...hand,resume]})]}),panels.map((panel,at2)=>{let station=page.stations[at2];return a4("section",{children:[a4("h2",{children:[
+panel.station," ",station&&a4(HealthSign,{of:station.health})]}),a4(Acts,{page,of:[...panel.holds,...panel.selects]}),a4("div",{class:"fixed",children:[station&&
+a4("p",{class:station.moves?"value moves":"value",children:station.unknown??station.operation}),station?.fault&&a4("p",{class:"value fault-text",children:station.
+fault}),a4("p",{class:"value",children:panel.is_manual===null?t4.selector_unknown:t4.selector(panel.is_manual)}),station&&station.waits_for.length>0&&a4($,{children:[
+a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]})]})]},panel.station)})]})}var chosen=y3({}),choose=(name2,value)=>chosen.value={...chosen.value,[name2]:value},choice=name2=>chosen.value[name2]??"";function Choice({name:name2,label,of}){
+let value=of.some(([value2])=>value2===choice(name2))?choice(name2):"";return a4("label",{class:"choose",children:[label,a4("select",{value,"data-choice":name2,
+onChange:event=>choose(name2,event.target.value),children:[a4("option",{value:"",children:t4.choose}),of.map(([value2,text])=>a4("option",{value:value2,children:text},
+value2))]})]})}function Entry({name:name2,label,type,max}){return a4("label",{class:"choose",children:[label,a4("input",{type:"text",inputMode:type==="number"?"\
+numeric":"text",maxLength:max,value:choice(name2),"data-choice":name2,onInput:event=>choose(name2,event.target.value)})]})}function whole(text){return/^\d{1,9}$/.
+test(text)?Number(text):null}function button(key,label,act,missing){return{key,label,act:act??{give_up:{}},why_not:act===null?missing:null}}var cut=text=>text.length>
+70?`${text.slice(0,69)}…`:text;function AlarmForms({page}){let alarm=page.alarms.find(of=>String(of.shown)===choice("alarm")),answer=alarm?.answers.find(of=>of.
+answer===choice("answer")),acknowledge=alarm===void 0?null:{acknowledge:{shown:alarm.shown,note:choice("note")}},answered=alarm?.number==null||answer===void 0?null:
+{answer:{alarm:alarm.number,word:answer.answer}};return a4("section",{class:"forms",children:[a4(Choice,{name:"alarm",label:t4.alarm,of:page.alarms.map(of=>[String(
+of.shown),cut(`${of.source}: ${of.text}`)])}),a4(Entry,{name:"note",label:t4.note,type:"text",max:100}),a4(Acts,{page,of:[button("acknowledge",t4.acknowledge,acknowledge,
+t4.choose_alarm)]}),page.is_cell&&a4($,{children:[a4(Choice,{name:"answer",label:t4.answer,of:(alarm?.answers??[]).map(of=>[of.answer,of.answer])}),a4("p",{class:"\
+value fixed",id:"chosen-answer",children:answer&&[answer.meaning,answer.verdict,answer.why].filter(Boolean).join("; ")}),a4(Acts,{page,of:[button("answer",t4.give_answer,
+answered,t4.choose_answer)]})]})]})}function CellForms({page,cell}){let product=cell.products.find(of=>of===choice("product")),[quantity,due]=[whole(choice("qua\
+ntity")),whole(choice("due"))],due_s=due===null?void 0:due*60,is_due_read=due!==null||choice("due")==="",submitted=product===void 0||quantity===null||!is_due_read?
+null:{submit:{product,quantity,name:choice("order name"),due_s}},open=cell.orders.filter(of=>!of.is_over),order=open.find(of=>of.name===choice("order"))?.name,resource=cell.
+resources.find(of=>of===choice("resource")),about=order??resource,of_resource=to=>resource===void 0?null:{resource:{resource,to}};return a4("section",{class:"fo\
+rms",children:[a4("h2",{children:t4.order_new}),a4(Choice,{name:"product",label:t4.product,of:cell.products.map(of=>[of,of])}),a4(Entry,{name:"quantity",label:t4.
+quantity,type:"number",max:9}),a4(Entry,{name:"order name",label:t4.order_name,type:"text",max:60}),a4(Entry,{name:"due",label:t4.due_minutes,type:"number",max:9}),
+a4(Acts,{page,of:[button("submit",t4.submit,submitted,t4.choose_product)]}),a4("h2",{children:t4.order_or_resource}),a4(Choice,{name:"order",label:t4.order,of:open.
+map(of=>[of.name,of.name])}),a4(Choice,{name:"resource",label:t4.resource,of:cell.resources.map(of=>[of,of])}),a4(Acts,{page,of:[button("why",t4.why(about),about===
+void 0?null:{why:{about}},t4.choose_order)]}),a4(Acts,{page,of:[button("cancel",t4.cancel,order===void 0?null:{cancel:{order}},t4.choose_order),button("withdraw",
+t4.withdraw,order===void 0?null:{withdraw:{order}},t4.choose_order)]}),a4(Acts,{page,of:[button("resource down",t4.down,of_resource("down"),t4.choose_resource),
+button("resource up",t4.up,of_resource("up"),t4.choose_resource),button("resource reset",t4.reset_resource,of_resource("reset"),t4.choose_resource)]})]})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
 is-unknown",children:mode.text}),mode.is_enabled===!1&&a4(Named,{head:t4.not_all,of:mode.waiting_for}),mode.refusal&&a4("p",{class:"value",children:mode.refusal}),
 a4(Named,{head:t4.left_out,of:mode.left_out}),a4(Named,{head:t4.restarted,of:mode.restarted}),mode.is_known&&!page.is_cell&&a4("p",{children:[t4.cycle,": ",a4("\
 span",{class:"value",children:mode.cycle?`${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})`:t4.no_cycle})]}),page.next&&a4("p",{class:"next",children:[
@@ -244,26 +272,26 @@ $,{children:[a4(ModeBlock,{page}),page.other_descriptions.length>0&&a4(List,{of:
 StationCard,{station},station.name))}),page.is_cell&&a4("section",{children:[a4("h2",{children:t4.orders}),page.cell_unknown?a4("p",{class:"value is-unknown",children:page.
 cell_unknown}):a4(Orders,{orders:open})]})]})}function Orders({orders}){return orders.length===0?a4("p",{class:"value",children:t4.none}):a4("ul",{children:orders.
 map(order=>a4("li",{class:order.is_late?"value late":"value",children:[order.name,": ",order.text,order.due&&`, ${order.due}`]},order.id))})}function AlarmRow({
-alarm}){return a4("tr",{children:[a4("td",{children:a4(Priority,{of:alarm.priority,text:alarm.priority_text})}),a4("td",{class:"value",children:alarm.state}),a4(
-"td",{class:"value",children:alarm.number===null?alarm.source:`${alarm.source}, ${alarm.number}`}),a4("td",{class:"value",children:alarm.age}),a4("td",{children:[
-a4("p",{class:"value",children:alarm.text}),a4(Named,{head:t4.at_order,of:alarm.at_order}),a4(Named,{head:t4.reset,of:alarm.reset}),a4(Named,{head:t4.lead,of:alarm.
-lead}),alarm.lead_to&&a4("p",{class:"value",children:`${t4.way}: ${alarm.lead_to}${alarm.lead_because&&` (${alarm.lead_because})`}`}),alarm.bring&&a4("p",{class:"\
-value",children:t4.bring(...alarm.bring)}),alarm.answers.length>0&&a4("p",{children:[t4.answers,":"]}),a4("ul",{children:alarm.answers.map(of=>a4("li",{class:"v\
-alue",children:[a4("strong",{children:of.answer}),[of.meaning,of.verdict,of.why].filter(Boolean).map(text=>`; ${text}`)]},of.answer))})]})]})}function Alarms({page}){
-return page.alarms.length===0?a4("p",{class:"value",children:t4.alarms_none}):a4("table",{class:"list",children:[a4(Heads,{of:[t4.priority,t4.state,t4.source,t4.
-age,t4.text]}),a4("tbody",{children:page.alarms.map(alarm=>a4(AlarmRow,{alarm},alarm.key))})]})}function Cell({page}){let cell=page.cell;return cell===null?a4("\
-p",{class:"value is-unknown",children:page.cell_unknown}):a4($,{children:[a4("section",{children:[a4("h2",{children:t4.in_progress}),cell.activities.length===0&&
-a4("p",{class:"value",children:t4.none}),a4(List,{of:cell.activities.map(of=>`${of.name}${of.part===null?"":`, ${t4.part} ${of.part}`}, ${of.age}${of.running?"":
-`, ${t4.failed}`}${of.text&&`: ${of.text}`}`)})]}),a4("section",{children:[a4("h2",{children:[t4.parts,": ",a4("span",{class:"value",children:t4.inside(cell.parts_inside,
-cell.parts_left)}),!cell.starting&&a4("span",{class:"value",children:["; ",t4.nothing_starts]})]}),a4("table",{class:"list",children:[a4(Heads,{of:[t4.part,t4.stage,
-t4.order,t4.place,t4.age]}),a4("tbody",{children:cell.parts.map(part=>a4("tr",{children:[part.part,part.stage,part.order??"",part.place,part.age].map((text,at2)=>a4(
-"td",{class:"value",children:text},at2))},part.part))})]})]}),a4("section",{children:[a4("h2",{children:[t4.orders,": ",a4("span",{class:"value",children:t4.open(
-cell.orders_open)})]}),a4(Orders,{orders:cell.orders})]}),a4("section",{children:[a4("h2",{children:t4.out_of_service}),cell.out_of_service.length===0?a4("p",{class:"\
-value",children:t4.none}):a4(List,{of:cell.out_of_service.map(of=>of.text)})]})]})}function Waiting({page}){return a4($,{children:[a4(ModeBlock,{page}),page.stations.
-map(station=>a4("section",{children:[a4("h2",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null&&a4("p",{class:"value is-u\
-nknown",children:station.unknown}),station.fault&&a4("p",{class:"value fault-text",children:station.fault}),station.unknown===null&&station.waits_for.length===0&&
-a4("p",{class:"value",children:t4.waits_for_nothing}),station.waits_for.length>0&&a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]},station.
-name))]})}var names=["overview","operate","chart","alarms","cell","waiting"],here=()=>names.find(name2=>`#${name2}`===location.hash)??"overview",at=y3(here());addEventListener(
+alarm}){return a4("tr",{children:[a4("td",{children:a4(Priority,{of:alarm.priority,text:alarm.priority_text})}),a4("td",{class:"value",children:[alarm.state,alarm.
+acknowledged&&a4("p",{children:t4.acknowledged(alarm.acknowledged)})]}),a4("td",{class:"value",children:alarm.number===null?alarm.source:`${alarm.source}, ${alarm.
+number}`}),a4("td",{class:"value",children:alarm.age}),a4("td",{children:[a4("p",{class:"value",children:alarm.text}),a4(Named,{head:t4.at_order,of:alarm.at_order}),
+a4(Named,{head:t4.reset,of:alarm.reset}),a4(Named,{head:t4.lead,of:alarm.lead}),alarm.lead_to&&a4("p",{class:"value",children:`${t4.way}: ${alarm.lead_to}${alarm.
+lead_because&&` (${alarm.lead_because})`}`}),alarm.bring&&a4("p",{class:"value",children:t4.bring(...alarm.bring)}),alarm.answers.length>0&&a4("p",{children:[t4.
+answers,":"]}),a4("ul",{children:alarm.answers.map(of=>a4("li",{class:"value",children:[a4("strong",{children:of.answer}),[of.meaning,of.verdict,of.why].filter(
+Boolean).map(text=>`; ${text}`)]},of.answer))})]})]})}function Alarms({page}){return a4($,{children:[a4(AlarmForms,{page}),page.alarms.length===0?a4("p",{class:"\
+value",children:t4.alarms_none}):a4("table",{class:"list",children:[a4(Heads,{of:[t4.priority,t4.state,t4.source,t4.age,t4.text]}),a4("tbody",{children:page.alarms.
+map(alarm=>a4(AlarmRow,{alarm},alarm.key))})]})]})}function Cell({page}){let cell=page.cell;return cell===null?a4("p",{class:"value is-unknown",children:page.cell_unknown}):
+a4($,{children:[a4(CellForms,{page,cell}),a4("section",{children:[a4("h2",{children:t4.in_progress}),cell.activities.length===0&&a4("p",{class:"value",children:t4.
+none}),a4(List,{of:cell.activities.map(of=>`${of.name}${of.part===null?"":`, ${t4.part} ${of.part}`}, ${of.age}${of.running?"":`, ${t4.failed}`}${of.text&&`: ${of.
+text}`}`)})]}),a4("section",{children:[a4("h2",{children:[t4.parts,": ",a4("span",{class:"value",children:t4.inside(cell.parts_inside,cell.parts_left)}),!cell.starting&&
+a4("span",{class:"value",children:["; ",t4.nothing_starts]})]}),a4("table",{class:"list",children:[a4(Heads,{of:[t4.part,t4.stage,t4.order,t4.place,t4.age]}),a4(
+"tbody",{children:cell.parts.map(part=>a4("tr",{children:[part.part,part.stage,part.order??"",part.place,part.age].map((text,at2)=>a4("td",{class:"value",children:text},
+at2))},part.part))})]})]}),a4("section",{children:[a4("h2",{children:[t4.orders,": ",a4("span",{class:"value",children:t4.open(cell.orders_open)})]}),a4(Orders,
+{orders:cell.orders})]}),a4("section",{children:[a4("h2",{children:t4.out_of_service}),cell.out_of_service.length===0?a4("p",{class:"value",children:t4.none}):a4(
+List,{of:cell.out_of_service.map(of=>of.text)})]})]})}function Waiting({page}){return a4($,{children:[a4(ModeBlock,{page}),page.stations.map(station=>a4("sectio\
+n",{children:[a4("h2",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null&&a4("p",{class:"value is-unknown",children:station.
+unknown}),station.fault&&a4("p",{class:"value fault-text",children:station.fault}),station.unknown===null&&station.waits_for.length===0&&a4("p",{class:"value",children:t4.
+waits_for_nothing}),station.waits_for.length>0&&a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]},station.name))]})}var names=["overview","operate","chart","alarms","cell","waiting"],here=()=>names.find(name2=>`#${name2}`===location.hash)??"overview",at=y3(here());addEventListener(
 "hashchange",()=>at.value=here());function Banner({page}){let first=page.alarms[0];return first===void 0?a4("p",{class:"banner none value",children:t4.alarms_none}):
 a4("a",{class:"banner",href:"#alarms",children:[a4(Priority,{of:first.priority,text:first.priority_text}),a4("span",{class:"value what",children:`${first.source}\
 : ${first.text}`}),a4("span",{class:"value",children:t4.more_alarms(page.alarms.length)})]})}var had_control=y3(!1),lost_control=y3(!1);function Taken({page}){let has=has_control(

@@ -45,14 +45,15 @@ export function is_live(): boolean {
   return connection.value !== null && performance.now() - drawn_at <= LOST_AFTER_MS;
 }
 
-/** Sends what is done at the page; false without a connection. It is never kept for later: what waits in the socket is too much. */
-export function operate(act: Act): boolean {
+/** Sends what is done at the page, of the button of the next step with the number of that; false without a connection. It is never kept for
+ * later: what waits in the socket is too much. */
+export function operate(act: Act, step?: number): boolean {
   if (socket === null || socket.readyState !== WebSocket.OPEN || connection.value === null) return false;
   if (socket.bufferedAmount > 2000) {
     socket.close();
     return false;
   }
-  socket.send(JSON.stringify({ seen_ms, act }));
+  socket.send(JSON.stringify({ seen_ms, act, step }));
   return true;
 }
 

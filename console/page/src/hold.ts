@@ -12,6 +12,13 @@ const BEAT_MS = 100;
 /** The server ends a press whose beats are further apart. */
 const STALLED_MS = 250;
 
+interface HoldButton {
+  key: string;
+  act: Act;
+  /** Of the button of the next step: the number of that. */
+  step?: number;
+}
+
 interface Hold {
   key: string;
   number: number;
@@ -31,9 +38,9 @@ let hold: Hold | null = null;
 export const held = signal<string | null>(null);
 export const ended = signal<{ key: string; why: string } | null>(null);
 
-/** Whether the pointer is inside the button, and nothing covers it there. */
+/** Whether the pointer is inside the button, nothing covers it there, and it is still the button that was pressed. */
 function is_inside(of: Hold): boolean {
-  if (!of.element.isConnected) return false;
+  if (!of.element.isConnected || of.element.dataset.key !== of.key) return false;
   if (of.pointer === null) return document.activeElement === of.element;
   const at = document.elementFromPoint(of.pointer.x, of.pointer.y);
   return at !== null && of.element.contains(at);
@@ -43,12 +50,12 @@ function beat(): void {
   if (hold === null) return;
   const now = performance.now();
   const page = shown.value?.page;
+  const note = page?.control.notes[hold.connection];
   if (now - hold.beat_at > STALLED_MS) end(t.ended_stalled);
   else if (!is_live() || hold.connection !== connection.value) end(t.ended_lost);
   else if (document.hidden || !document.hasFocus()) end(t.ended_away);
   else if (page?.control.holder?.connection !== connection.value) end(t.ended_control);
-  else if (page.control.note !== null && page.control.note.connection === hold.connection && page.control.note.press === hold.number)
-    end(page.control.note.text);
+  else if (note?.press === hold.number) end(note.text);
   else if (!is_inside(hold)) end(t.ended_left);
   else {
     hold.beat_at = now;
@@ -56,11 +63,12 @@ function beat(): void {
   }
 }
 
-function begin(key: string, act: Act, element: HTMLElement, pointer: Hold["pointer"]): void {
+function begin(of: HoldButton, element: HTMLElement, pointer: Hold["pointer"]): void {
+  const { key, act, step } = of;
   if (hold !== null) return end(t.ended_second);
   if (!("press" in act)) return;
   last += 1;
-  const is_sent = is_live() && operate({ press: { ...act.press, number: last } });
+  const is_sent = is_live() && operate({ press: { ...act.press, number: last } }, step);
   ended.value = is_sent ? null : { key, why: t.ended_lost };
   if (!is_sent || connection.value === null) return;
   hold = { key, number: last, connection: connection.value, element, pointer, timer: setInterval(beat, BEAT_MS), beat_at: performance.now() };
@@ -79,7 +87,7 @@ function end(why: string | null): void {
 }
 
 /** The handlers of a button that is held. `may`: whether it would do something now. */
-export function holds(key: string, act: Act, may: boolean, refuse: () => void) {
+export function holds(of: HoldButton, may: boolean, refuse: () => void) {
   return {
     onPointerDown: (event: PointerEvent) => {
       event.preventDefault();
@@ -87,7 +95,7 @@ export function holds(key: string, act: Act, may: boolean, refuse: () => void) {
       const element = event.currentTarget as HTMLElement;
       element.focus();
       if (!may) return refuse();
-      begin(key, act, element, { id: event.pointerId, x: event.clientX, y: event.clientY });
+      begin(of, element, { id: event.pointerId, x: event.clientX, y: event.clientY });
     },
     onKeyDown: (event: KeyboardEvent) => {
       if (event.code !== "Space") {
@@ -97,7 +105,7 @@ export function holds(key: string, act: Act, may: boolean, refuse: () => void) {
       event.preventDefault();
       if (event.repeat || event.ctrlKey || event.altKey || event.metaKey) return;
       if (!may) return refuse();
-      begin(key, act, event.currentTarget as HTMLElement, null);
+      begin(of, event.currentTarget as HTMLElement, null);
     },
     onContextMenu: (event: Event) => event.preventDefault(),
     // A click is a release: the hold has ended by then.

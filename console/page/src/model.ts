@@ -59,7 +59,9 @@ export interface Alarm {
   source: string;
   priority: 1 | 2 | 3;
   priority_text: string;
+  shown: number;
   state: string;
+  acknowledged: { by: string; note: string; age: string } | null;
   text: string;
   age: string;
   number: number | null;
@@ -81,6 +83,8 @@ export interface Cell {
   activities: { id: number; name: string; part: number | null; age: string; running: boolean; text: string }[];
   orders: { id: number; name: string; text: string; due: string | null; is_late: boolean; is_over: boolean }[];
   out_of_service: { resource: string; text: string }[];
+  products: string[];
+  resources: string[];
 }
 
 /** What is done at a page, as the server reads it. */
@@ -91,7 +95,14 @@ export type Act =
   | { select: { station: string; manual: boolean } }
   | { press: { number: number; station?: string; button: string } }
   | { beat: { number: number } }
-  | { release: { number: number } };
+  | { release: { number: number } }
+  | { acknowledge: { shown: number; note: string } }
+  | { answer: { alarm: number; word: string } }
+  | { submit: { product: string; quantity: number; name: string; due_s?: number } }
+  | { cancel: { order: string } }
+  | { withdraw: { order: string } }
+  | { why: { about: string } }
+  | { resource: { resource: string; to: "up" | "down" | "reset" } };
 
 export interface OperateButton {
   key: string;
@@ -113,12 +124,14 @@ export interface Plan {
   end: string[];
   next: number | null;
   button: OperateButton | null;
+  step: number;
 }
 
 export interface ControlPart {
   holder: { connection: number; name: string; since: string } | null;
   press: { number: number; button: string } | null;
-  note: { connection: number; key: string; press: number | null; text: string } | null;
+  /** By the number of the connection. */
+  notes: Record<string, { key: string; press: number | null; text: string }>;
 }
 
 export interface Page {

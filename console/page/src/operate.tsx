@@ -21,32 +21,41 @@ const is_stop = (act: Act) => "command" in act && act.command.word === "estop";
 function why_not(page: Page, button: OperateButton): string | null {
   if (is_stop(button.act)) return button.why_not;
   if (lost_for.value !== null) return t.not_live;
+  // It changes nothing.
+  if ("why" in button.act) return button.why_not;
   return has_control(page) ? button.why_not : t.no_control;
+}
+
+/** How the coordinator names the command of a button where it refuses it; null of what stations decide. */
+function refused_as({ act, label }: OperateButton): string | null {
+  if ("command" in act) return [act.command.word, act.command.station].filter(Boolean).join(" ");
+  if ("press" in act && act.press.station === undefined) return label === "resume" ? "resume" : "buttons";
+  return null;
 }
 
 /** What stands at a button: why it did nothing, or why it was released. */
 function remark(page: Page, button: OperateButton): string | null {
-  const { note } = page.control;
+  const note = page.control.notes[connection.value ?? 0];
   if (ended.value?.key === button.key) return ended.value.why;
-  if (note !== null && note.connection === connection.value && note.key === button.key) return note.text;
-  const word = "command" in button.act ? [button.act.command.word, button.act.command.station].filter(Boolean).join(" ") : null;
+  if (note?.key === button.key) return note.text;
+  const word = refused_as(button);
   if (word !== null && word === page.mode.refused) return page.mode.refusal;
   if (asked.value?.key === button.key && asked.value.why === why_not(page, button)) return asked.value.why;
   return null;
 }
 
-/** A button for an act, with what is to be known of it. */
-function ActButton({ page, button }: { page: Page; button: OperateButton }) {
+/** A button for an act, with what is to be known of it; of the next step with the number of that. */
+function ActButton({ page, button, step }: { page: Page; button: OperateButton; step?: number }) {
   const why = why_not(page, button);
   const refuse = () => (asked.value = why === null ? null : { key: button.key, why });
   const is_hold = "press" in button.act;
   const handlers = is_hold
-    ? holds(button.key, button.act, why === null, refuse)
+    ? holds({ key: button.key, act: button.act, step }, why === null, refuse)
     : {
         onClick: () => {
           refuse();
           ended.value = null;
-          if (why === null) operate(button.act);
+          if (why === null) operate(button.act, step);
         },
       };
   const label = "command" in button.act && button.act.command.station === undefined ? (command_labels[button.label] ?? button.label) : button.label;
@@ -67,13 +76,13 @@ function ActButton({ page, button }: { page: Page; button: OperateButton }) {
 }
 
 /** Buttons with what is to be known of the one that did nothing. Its room is there without a text as well: no button moves under a finger. */
-function Acts({ page, of }: { page: Page; of: OperateButton[] }) {
+export function Acts({ page, of, step }: { page: Page; of: OperateButton[]; step?: number }) {
   const remarked = of.map((button) => [button.label, remark(page, button)] as const).find(([, text]) => text !== null);
   return (
     <>
       <div class="acts">
         {of.map((button) => (
-          <ActButton page={page} button={button} key={button.key} />
+          <ActButton page={page} button={button} step={step} key={step === undefined ? `${button.key} ${button.label}` : "next step"} />
         ))}
       </div>
       <p class="remark" role="status">
@@ -85,9 +94,10 @@ function Acts({ page, of }: { page: Page; of: OperateButton[] }) {
 
 /** Who has control; on every page. */
 export function Control({ page }: { page: Page }) {
-  const { holder, press, note } = page.control;
+  const { holder, press, notes } = page.control;
   const is_own = has_control(page);
-  const refused = note !== null && note.connection === connection.value && note.key === "control" ? note.text : null;
+  const note = notes[connection.value ?? 0];
+  const refused = note?.key === "control" ? note.text : null;
   return (
     <div class={is_own ? "control own" : "control"} id="control">
       <span class="value">
@@ -115,39 +125,32 @@ export function Control({ page }: { page: Page }) {
   );
 }
 
+/** The way back to auto. The button of its next step stands at one place, whatever the step, and so does all that is below. */
 function Plan({ page }: { page: Page }) {
-  const plan = page.plan;
-  if (plan === null) return null;
+  const { plan } = page;
   return (
     <section class="plan">
       <h2>{t.plan}</h2>
-      <List of={plan.begin} />
-      <ol>
-        {plan.steps.map((step, at) => (
-          <li key={at} class={at === plan.next ? "value next" : "value"} aria-current={at === plan.next ? "step" : undefined}>
-            {step.text}
-            {step.since !== null && <p>{t.since(step.since)}</p>}
-            <List of={step.stands.map(t.stands)} />
-          </li>
-        ))}
-      </ol>
-      {plan.button !== null && (
-        <>
-          <h3>{t.next}</h3>
-          <Acts page={page} of={[with_reason(page, plan.button)]} />
-        </>
+      <div class="next-step">
+        {plan?.button ? <Acts page={page} of={[plan.button]} step={plan.step} /> : <p>{t.no_next}</p>}
+      </div>
+      {plan !== null && (
+        <div class="steps" tabIndex={0}>
+          <List of={plan.begin} />
+          <ol>
+            {plan.steps.map((step, at) => (
+              <li key={at} class={at === plan.next ? "value next" : "value"} aria-current={at === plan.next ? "step" : undefined}>
+                {step.text}
+                {step.since !== null && <p>{t.since(step.since)}</p>}
+                <List of={step.stands.map(t.stands)} />
+              </li>
+            ))}
+          </ol>
+          <List of={plan.end} />
+        </div>
       )}
-      <List of={plan.end} />
     </section>
   );
-}
-
-/** The button of a step, with the reason that the same button has among the others. */
-function with_reason(page: Page, button: OperateButton): OperateButton {
-  const { commands, hand, resume, panels } = page.operate;
-  const all = [...commands, ...hand, resume, ...panels.flatMap((panel) => [...panel.holds, ...panel.selects])];
-  const same = all.find((of) => of.key === button.key);
-  return same === undefined ? button : { ...button, why_not: same.why_not };
 }
 
 export function Operate({ page }: { page: Page }) {

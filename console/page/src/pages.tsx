@@ -1,5 +1,6 @@
 // The pages beside the chart.
 
+import { AlarmForms, CellForms } from "./forms";
 import type { Alarm, Cell as CellModel, Page, Station } from "./model";
 import { Heads, HealthSign, List, Named, Priority } from "./parts";
 import { t } from "./texts";
@@ -94,7 +95,10 @@ function AlarmRow({ alarm }: { alarm: Alarm }) {
       <td>
         <Priority of={alarm.priority} text={alarm.priority_text} />
       </td>
-      <td class="value">{alarm.state}</td>
+      <td class="value">
+        {alarm.state}
+        {alarm.acknowledged && <p>{t.acknowledged(alarm.acknowledged)}</p>}
+      </td>
       <td class="value">{alarm.number === null ? alarm.source : `${alarm.source}, ${alarm.number}`}</td>
       <td class="value">{alarm.age}</td>
       <td>
@@ -119,16 +123,22 @@ function AlarmRow({ alarm }: { alarm: Alarm }) {
 }
 
 export function Alarms({ page }: { page: Page }) {
-  if (page.alarms.length === 0) return <p class="value">{t.alarms_none}</p>;
   return (
-    <table class="list">
-      <Heads of={[t.priority, t.state, t.source, t.age, t.text]} />
-      <tbody>
-        {page.alarms.map((alarm) => (
-          <AlarmRow alarm={alarm} key={alarm.key} />
-        ))}
-      </tbody>
-    </table>
+    <>
+      <AlarmForms page={page} />
+      {page.alarms.length === 0 ? (
+        <p class="value">{t.alarms_none}</p>
+      ) : (
+        <table class="list">
+          <Heads of={[t.priority, t.state, t.source, t.age, t.text]} />
+          <tbody>
+            {page.alarms.map((alarm) => (
+              <AlarmRow alarm={alarm} key={alarm.key} />
+            ))}
+          </tbody>
+        </table>
+      )}
+    </>
   );
 }
 
@@ -137,6 +147,7 @@ export function Cell({ page }: { page: Page }) {
   if (cell === null) return <p class="value is-unknown">{page.cell_unknown}</p>;
   return (
     <>
+      <CellForms page={page} cell={cell} />
       <section>
         <h2>{t.in_progress}</h2>
         {cell.activities.length === 0 && <p class="value">{t.none}</p>}

@@ -2,4 +2,6 @@
 
 mod browser;
 mod bundle;
+mod driver;
+mod operated;
 mod served;

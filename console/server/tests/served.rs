@@ -311,7 +311,7 @@ async fn what_is_done_at_a_page_comes_with_its_connection_between_its_begin_and_
     let (mut first, mut second) = (served.reader().await, served.reader().await);
     assert_ne!(first.connection, second.connection);
     first.next().await;
-    let beat = |number| PageOperation { seen_ms: 7, act: PageAct::Beat { number } };
+    let beat = |number| PageOperation { seen_ms: 7, act: PageAct::Beat { number }, step: None };
     for (is_first, number) in [(false, 1), (true, 2), (false, 3)] {
         let text = serde_json::to_string(&beat(number)).expect("JSON");
         let reader = if is_first { &mut first } else { &mut second };

@@ -35,8 +35,12 @@ pub struct AlarmPart {
     pub priority: u8,
     /// The priority as text.
     pub priority_text: &'static str,
-    /// State of the alarm as text. Acknowledging does not exist yet: each is active as long as its cause is reported.
+    /// Number of the alarm on the page, by which it is acknowledged.
+    pub shown: u64,
+    /// State of the alarm as text: each is active as long as its cause is reported, whether it is acknowledged or not.
     pub state: &'static str,
+    /// That it is acknowledged; none before.
+    pub acknowledged: Option<AcknowledgePart>,
     /// What has happened, and what to do.
     pub text: String,
     /// Time since it was raised, or `shown for` and the time since the console has shown it first.
@@ -57,6 +61,16 @@ pub struct AlarmPart {
     pub lead_because: String,
     /// Station that is to be brought to another rest before the answer, and that rest.
     pub bring: Option<[String; 2]>,
+}
+
+/// That an alarm was seen by a person.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AcknowledgePart {
+    /// The operator who has acknowledged it, with the address of the page.
+    pub by: String,
+    pub note: String,
+    /// Time since then.
+    pub age: String,
 }
 
 impl AlarmPriority {
@@ -84,6 +98,13 @@ impl LineAlarm {
     }
 }
 
+/// Most alarms of nodes that are not received now.
+const KNOWN_MAX: usize = 1000;
+
+/// What alarms are about that a station reports, and that something is not received.
+pub(crate) const FAULT: &str = "fault";
+pub(crate) const NOT_RECEIVED: &str = "not received";
+
 /// What alarms of an emergency stop are about.
 pub(crate) const EMERGENCY_STOP: &str = "emergency stop";
 
@@ -93,7 +114,9 @@ fn plain(key: String, source: String, priority: AlarmPriority, text: String, age
         source,
         priority: priority as u8,
         priority_text: priority.text(),
-        state: "active",
+        shown: 0,
+        state: ACTIVE,
+        acknowledged: None,
         text,
         age,
         number: None,
@@ -107,26 +130,92 @@ fn plain(key: String, source: String, priority: AlarmPriority, text: String, age
     }
 }
 
-/// When the console has first received the alarms that have no time of their own.
-#[derive(Debug, Default)]
-pub(crate) struct FirstReceived(BTreeMap<String, Duration>);
+const ACTIVE: &str = "active, not acknowledged";
+const ACKNOWLEDGED: &str = "active, acknowledged";
 
-impl FirstReceived {
-    /// The alarms with their ages, by priority, of one priority emergency stops first and then the newest. Those that are not among them are forgotten.
+/// An alarm over all pages on which it is shown.
+#[derive(Clone, Debug)]
+struct KnownAlarm {
+    shown: u64,
+    /// When the console has first received it.
+    since: Duration,
+    /// The operator, the note, and when.
+    acknowledged: Option<(String, String, Duration)>,
+}
+
+/// The alarms that are shown: since when, and which are acknowledged.
+///
+/// An alarm that is gone is forgotten with its acknowledgement: if it comes again it is another one. Those of a node that is not received
+/// are neither.
+#[derive(Debug, Default)]
+pub(crate) struct AlarmBook {
+    known: BTreeMap<String, KnownAlarm>,
+    /// Of the alarm shown last.
+    last: u64,
+}
+
+impl AlarmBook {
+    /// Alarms without a time of their own with their ages, by priority, of one priority emergency stops first and then the newest.
     pub fn aged(&mut self, now: Duration, alarms: Vec<LineAlarm>) -> Vec<AlarmPart> {
-        let mut before = std::mem::take(&mut self.0);
-        let mut aged = |alarm: LineAlarm| {
-            // Another fault of the same station is another alarm.
-            let of = if alarm.what == "fault" { alarm.text.as_str() } else { "" };
-            let key = format!("{} {} {of}", alarm.source, alarm.what);
-            let since = *self.0.entry(key.clone()).or_insert(before.remove(&key).unwrap_or(now));
-            let age = format!("shown for {}", span(now.saturating_sub(since).as_secs_f64()));
-            (since, plain(key, alarm.source, alarm.priority, alarm.text, age))
-        };
         let rank = |alarm: &LineAlarm| (alarm.priority, alarm.what != EMERGENCY_STOP);
-        let mut all: Vec<_> = alarms.into_iter().map(|alarm| (rank(&alarm), aged(alarm))).collect();
-        all.sort_by_key(|(rank, (since, _))| (*rank, std::cmp::Reverse(*since)));
-        all.into_iter().map(|(_, (_, alarm))| alarm).collect()
+        let mut all: Vec<_> = alarms
+            .into_iter()
+            .map(|alarm| {
+                // Another fault of the same station is another alarm.
+                let of = if alarm.what == FAULT { alarm.text.as_str() } else { "" };
+                let key = format!("{} {} {of}", alarm.source, alarm.what);
+                let since = self.known(now, &key).since;
+                let age = format!("shown for {}", span(now.saturating_sub(since).as_secs_f64()));
+                (rank(&alarm), since, plain(key, alarm.source, alarm.priority, alarm.text, age))
+            })
+            .collect();
+        all.sort_by_key(|(rank, since, _)| (*rank, std::cmp::Reverse(*since)));
+        all.into_iter().map(|(.., alarm)| alarm).collect()
+    }
+
+    fn known(&mut self, now: Duration, key: &str) -> &mut KnownAlarm {
+        let last = &mut self.last;
+        self.known.entry(key.to_owned()).or_insert_with(|| {
+            *last += 1;
+            KnownAlarm { shown: *last, since: now, acknowledged: None }
+        })
+    }
+
+    /// Puts number and acknowledgement to the alarms of a page, all that there are. `silent`: sources that are not received.
+    pub fn finish(&mut self, now: Duration, alarms: &mut [AlarmPart], silent: &[&str]) {
+        for alarm in alarms.iter_mut() {
+            let known = self.known(now, &alarm.key).clone();
+            alarm.shown = known.shown;
+            alarm.acknowledged = known.acknowledged.map(|(by, note, at)| AcknowledgePart {
+                by,
+                note,
+                age: span(now.saturating_sub(at).as_secs_f64()),
+            });
+            alarm.state = if alarm.acknowledged.is_some() { ACKNOWLEDGED } else { ACTIVE };
+        }
+        let is_shown = |key: &str| alarms.iter().any(|alarm| alarm.key == key);
+        // That something is not received is known of the console itself.
+        let is_silent = |key: &str| {
+            let source = silent.iter().find_map(|source| key.strip_prefix(source)?.strip_prefix(' '));
+            source.is_some_and(|what| !what.starts_with(NOT_RECEIVED))
+        };
+        let mut room = KNOWN_MAX;
+        self.known.retain(|key, _| {
+            let is_kept = is_shown(key) || (room > 0 && is_silent(key));
+            room -= usize::from(is_kept && room > 0);
+            is_kept
+        });
+    }
+
+    /// Acknowledges the alarm with this number of the page.
+    ///
+    /// # Errors
+    /// When there is none any more.
+    pub fn acknowledge(&mut self, now: Duration, shown: u64, by: String, note: String) -> Result<(), String> {
+        let known = self.known.values_mut().find(|known| known.shown == shown);
+        let known = known.ok_or_else(|| "not acknowledged: the alarm is over".to_owned())?;
+        known.acknowledged = Some((by, note, now));
+        Ok(())
     }
 }
 

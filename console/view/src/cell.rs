@@ -6,8 +6,16 @@ use linewright_msgs::{ActivityState, CellState, PartState, ProductionState};
 use serde::Serialize;
 
 use crate::aged::Aged;
-use crate::bounds::{LIST_MAX, text};
+use crate::bounds::{LIST_MAX, text, texts};
 use crate::texts::{ReasonsByResource, due, is_over, left_out, of_order, of_part, seconds, span};
+
+/// What operators name of a cell, by its description.
+#[derive(Clone, Debug, Default)]
+pub struct CellNames {
+    /// Part types that can be ordered.
+    pub products: Vec<String>,
+    pub resources: Vec<String>,
+}
 
 /// A cell. Lists have 100 entries at most; the counts are of all.
 #[derive(Debug, Serialize)]
@@ -21,6 +29,9 @@ pub struct CellPart {
     pub activities: Vec<ShownActivity>,
     pub orders: Vec<ShownOrder>,
     pub out_of_service: Vec<ShownOutage>,
+    /// Part types that can be ordered.
+    pub products: Vec<String>,
+    pub resources: Vec<String>,
 }
 
 /// A part in a cell.
@@ -76,7 +87,7 @@ pub(crate) fn now_of(cell: Aged<'_, CellState>) -> f64 {
 }
 
 impl CellPart {
-    pub(crate) fn of(cell: Aged<'_, CellState>, out: &ReasonsByResource) -> Self {
+    pub(crate) fn of(cell: Aged<'_, CellState>, out: &ReasonsByResource, names: &CellNames) -> Self {
         let (state, now) = (cell.state, now_of(cell));
         let part = |of: &PartState| ShownPart {
             part: of.id,
@@ -112,6 +123,8 @@ impl CellPart {
             activities: state.activities.as_slice().iter().take(LIST_MAX).map(activity).collect(),
             orders: state.orders.as_slice().iter().take(LIST_MAX).map(order).collect(),
             out_of_service: state.down.as_slice().iter().take(LIST_MAX).map(down).collect(),
+            products: texts(&names.products),
+            resources: texts(&names.resources),
         }
     }
 }

@@ -15,10 +15,15 @@ use crate::bounds;
 use crate::hold::{HoldButton, HoldEnd, HoldMachine, HoldMessage, SEEN_WITHIN};
 use crate::lanes::ms;
 use crate::message::{PageAct, PageOperation};
+use crate::plan::{NextButton, PlanPart};
+use crate::request::{CellRequest, NOTE_MAX};
 use crate::texts::span;
 
 /// Most characters of an operator's name.
 const NAME_MAX: usize = 40;
+
+/// Most requests that have no reply yet.
+const ASKED_MAX: usize = 16;
 
 /// Number of a connection, that of no other one of this console.
 pub type ConnectionNumber = u64;
@@ -30,6 +35,10 @@ pub enum DeskEffect {
     Command(String),
     /// A station's selector: true is manual.
     Select(StationId, bool),
+    /// An alarm of the page, by its number there, is acknowledged by this operator with this note.
+    Acknowledge { connection: ConnectionNumber, shown: u64, by: String, note: String },
+    /// To be asked of the coordinator of the cell; its reply is for this connection (see [`ControlDesk::answered`]).
+    Ask { connection: ConnectionNumber, request: CellRequest },
     /// To be logged.
     Log(String),
 }
@@ -41,8 +50,8 @@ pub struct ControlPart {
     pub holder: Option<HolderPart>,
     /// The press that is held now.
     pub press: Option<PressPart>,
-    /// The last thing that was not given, or has ended by itself.
-    pub note: Option<DeskNote>,
+    /// Of each connection the last thing that was not given there, or has ended by itself.
+    pub notes: BTreeMap<ConnectionNumber, DeskNote>,
 }
 
 /// The connection that has control.
@@ -66,7 +75,6 @@ pub struct PressPart {
 /// Why something was not given, or has ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct DeskNote {
-    pub connection: ConnectionNumber,
     /// That of the button (see [`PageAct::key`]).
     pub key: String,
     /// Number of the press that it is about.
@@ -95,7 +103,10 @@ pub struct ControlDesk {
     open: BTreeMap<ConnectionNumber, OpenPage>,
     holder: Option<ControlHolder>,
     hold: HoldMachine,
-    note: Option<DeskNote>,
+    notes: BTreeMap<ConnectionNumber, DeskNote>,
+    next: NextButton,
+    /// Connections whose request has no reply yet, with the key of its button.
+    asked: BTreeMap<ConnectionNumber, (String, CellRequest)>,
 }
 
 impl ControlDesk {
@@ -106,7 +117,9 @@ impl ControlDesk {
             open: BTreeMap::new(),
             holder: None,
             hold: HoldMachine::default(),
-            note: None,
+            notes: BTreeMap::new(),
+            next: NextButton::default(),
+            asked: BTreeMap::new(),
         }
     }
 
@@ -123,9 +136,8 @@ impl ControlDesk {
             effects.extend(self.holder.take().map(|of| DeskEffect::Log(format!("control ended with {}", of.name))));
         }
         self.open.remove(&connection);
-        if self.note.as_ref().is_some_and(|note| note.connection == connection) {
-            self.note = None;
-        }
+        self.asked.remove(&connection);
+        self.notes.remove(&connection);
         effects
     }
 
@@ -148,8 +160,15 @@ impl ControlDesk {
             }
             return effects;
         }
-        let is_stop = matches!(act, PageAct::Command { word, station: None } if ModeCommand::parse(word) == Some(ModeCommand::EStop));
-        // A stop too many costs a reset: it is taken from every page, whatever that shows.
+        // It changes nothing, and ends nothing that is held.
+        if let PageAct::Why { .. } = act {
+            match behind(now, operation).map(too_old).or_else(|| why_not(act)) {
+                Some(why) => self.refuse(connection, act, why),
+                None => self.ask(connection, act, "", &mut effects),
+            }
+            return effects;
+        }
+        let is_stop = act.is_stop();
         if !self.has_control(connection) && !is_stop {
             if !matches!(act, PageAct::Beat { .. } | PageAct::Release { .. }) {
                 self.refuse(connection, act, "not given: this page has no control; take it first".to_owned());
@@ -173,7 +192,8 @@ impl ControlDesk {
             return effects;
         }
         let late = behind(now, operation).filter(|_| !is_stop).map(too_old);
-        if let Some(why) = late.or_else(|| why_not(act)) {
+        let former = operation.step.filter(|_| !is_stop).and_then(|step| self.next.why_not(now, step));
+        if let Some(why) = late.or(former).or_else(|| why_not(act)) {
             if let PageAct::Press { number, .. } = act {
                 self.number_is_new(connection, *number);
             }
@@ -192,7 +212,7 @@ impl ControlDesk {
         was_held: bool,
         effects: &mut Vec<DeskEffect>,
     ) {
-        self.note = None;
+        self.notes.remove(&connection);
         let holder = self.holder.as_ref().filter(|of| of.connection == connection).map(|of| of.name.clone());
         let by = holder.or_else(|| Some(self.open.get(&connection)?.address.clone())).unwrap_or_default();
         match act {
@@ -203,6 +223,7 @@ impl ControlDesk {
                     return self.refuse(connection, act, "not given: no such command".to_owned());
                 };
                 let of = station.as_ref().map_or_else(String::new, |name| format!(" {name}"));
+                self.next.begin_anew(now);
                 effects.push(DeskEffect::Log(format!("{}{of} commanded by {by}", command.name())));
                 effects.push(DeskEffect::Command(format!("{}{of}", command.name())));
             }
@@ -211,6 +232,7 @@ impl ControlDesk {
                     return self.refuse(connection, act, "not given: no such station".to_owned());
                 };
                 let to = if *manual { "manual" } else { "auto" };
+                self.next.begin_anew(now);
                 effects.push(DeskEffect::Log(format!("selector of {station} turned to {to} by {by}")));
                 effects.push(DeskEffect::Select(id, *manual));
             }
@@ -225,8 +247,62 @@ impl ControlDesk {
                 self.hold.press(now, *number, button);
                 effects.push(DeskEffect::Log(format!("{} held by {by}", button.name(&self.line))));
             }
-            PageAct::Take { .. } | PageAct::GiveUp {} | PageAct::Beat { .. } | PageAct::Release { .. } => {}
+            PageAct::Acknowledge { shown, note } => {
+                let note = line_of(note, NOTE_MAX);
+                effects.push(DeskEffect::Acknowledge { connection, shown: *shown, by, note });
+            }
+            PageAct::Answer { .. }
+            | PageAct::Submit { .. }
+            | PageAct::Cancel { .. }
+            | PageAct::Withdraw { .. }
+            | PageAct::Resource { .. } => {
+                self.next.begin_anew(now);
+                self.ask(connection, act, &by, effects);
+            }
+            PageAct::Take { .. }
+            | PageAct::GiveUp {}
+            | PageAct::Beat { .. }
+            | PageAct::Release { .. }
+            | PageAct::Why { .. } => {}
         }
+    }
+
+    /// Asks the coordinator of the cell, one request of a connection at a time.
+    fn ask(&mut self, connection: ConnectionNumber, act: &PageAct, by: &str, effects: &mut Vec<DeskEffect>) {
+        let (Some(request), Some(key)) = (CellRequest::of(act, by), act.key()) else { return };
+        if self.asked.contains_key(&connection) {
+            return self.refuse(connection, act, "not given: the request before has no reply yet".to_owned());
+        }
+        if self.asked.len() == ASKED_MAX {
+            return self.refuse(
+                connection,
+                act,
+                "not given: too many requests have no reply yet; give it again".to_owned(),
+            );
+        }
+        if !request.only_reads() {
+            effects.push(DeskEffect::Log(format!("{} by {by}", request.text())));
+        }
+        self.notes.remove(&connection);
+        self.asked.insert(connection, (key, request.clone()));
+        effects.push(DeskEffect::Ask { connection, request });
+    }
+
+    /// The reply to the request of a connection, or why there is none.
+    pub fn answered(&mut self, connection: ConnectionNumber, reply: Result<String, String>) -> Vec<DeskEffect> {
+        let Some((key, request)) = self.asked.remove(&connection) else { return Vec::new() };
+        let (outcome, text) = match reply {
+            Ok(text) => ("done", text),
+            Err(why) => ("refused", why),
+        };
+        let log = DeskEffect::Log(format!("{}: {outcome}: {text}", request.text()));
+        self.note(connection, DeskNote { key, press: None, text: bounds::text(&text) });
+        if request.only_reads() { Vec::new() } else { vec![log] }
+    }
+
+    /// That an acknowledgement has come too late for its alarm.
+    pub fn not_acknowledged(&mut self, connection: ConnectionNumber, why: &str) {
+        self.note(connection, DeskNote { key: "acknowledge".to_owned(), press: None, text: why.to_owned() });
     }
 
     fn beat(
@@ -249,7 +325,7 @@ impl ControlDesk {
             Some(end) => self.end(now, end, effects),
             None => {
                 let end = self.hold.beat(now, number);
-                effects.extend(end.and_then(|end| self.ended(live, button, &end)));
+                effects.extend(end.and_then(|end| self.ended(now, live, button, &end)));
             }
         }
     }
@@ -267,7 +343,7 @@ impl ControlDesk {
         }
         let (messages, end) = self.hold.due(now);
         if let (Some(end), Some((number, button))) = (end, live) {
-            effects.extend(self.ended(number, button, &end));
+            effects.extend(self.ended(now, number, button, &end));
         }
         (messages, effects)
     }
@@ -289,6 +365,12 @@ impl ControlDesk {
         effects
     }
 
+    /// The steps back to auto as pages show them from now on: the button of the next one does nothing for a while after that has changed.
+    /// `is_current`: they are those of what is received now.
+    pub fn plan(&mut self, now: Duration, plan: Option<PlanPart>, is_current: bool) -> Option<PlanPart> {
+        self.next.shown(now, plan, is_current)
+    }
+
     /// Control as it is at this time.
     pub fn part(&self, now: Duration) -> ControlPart {
         ControlPart {
@@ -298,7 +380,7 @@ impl ControlDesk {
                 since: span(now.saturating_sub(of.since).as_secs_f64()),
             }),
             press: self.hold.live().map(|(number, button)| PressPart { number, button: button.name(&self.line) }),
-            note: self.note.clone(),
+            notes: self.notes.clone(),
         }
     }
 
@@ -318,9 +400,7 @@ impl ControlDesk {
         let from = self.holder.as_ref().filter(|of| of.connection != connection);
         let from = from.map_or_else(String::new, |of| format!(" from {}", of.name));
         effects.push(DeskEffect::Log(format!("control taken{from} by {name}")));
-        if self.note.as_ref().is_some_and(|note| note.connection == connection) {
-            self.note = None;
-        }
+        self.notes.remove(&connection);
         self.holder = Some(ControlHolder { connection, name, since: now });
     }
 
@@ -335,18 +415,22 @@ impl ControlDesk {
     fn end(&mut self, now: Duration, end: HoldEnd, effects: &mut Vec<DeskEffect>) {
         if let Some((number, button)) = self.hold.live() {
             self.hold.end(now);
-            effects.extend(self.ended(number, button, &end));
+            effects.extend(self.ended(now, number, button, &end));
         }
     }
 
     /// Notes the end of a press.
-    fn ended(&mut self, number: u64, button: HoldButton, end: &HoldEnd) -> Option<DeskEffect> {
+    fn ended(&mut self, now: Duration, number: u64, button: HoldButton, end: &HoldEnd) -> Option<DeskEffect> {
         let name = button.name(&self.line);
         let text = end.text();
+        self.next.begin_anew(now);
         let log = DeskEffect::Log(format!("{name} {}", text.as_deref().unwrap_or("released")));
         let connection = self.holder.as_ref()?.connection;
         let key = button.act(&self.line).key().unwrap_or_default();
-        self.note = text.map(|text| DeskNote { connection, key, press: Some(number), text });
+        match text {
+            Some(text) => self.note(connection, DeskNote { key, press: Some(number), text }),
+            None => drop(self.notes.remove(&connection)),
+        }
         Some(log)
     }
 
@@ -356,7 +440,14 @@ impl ControlDesk {
             _ => None,
         };
         let key = bounds::text(&act.key().unwrap_or_default());
-        self.note = Some(DeskNote { connection, key, press, text });
+        self.note(connection, DeskNote { key, press, text });
+    }
+
+    /// Notes something for a connection that is there.
+    fn note(&mut self, connection: ConnectionNumber, note: DeskNote) {
+        if self.open.contains_key(&connection) {
+            self.notes.insert(connection, note);
+        }
     }
 }
 
@@ -373,8 +464,14 @@ fn too_old(age: Duration) -> String {
     }
 }
 
+/// Text of an operator as one line of so many characters at most.
+fn line_of(text: &str, most: usize) -> String {
+    let line: String = text.chars().map(|of| if of.is_control() { ' ' } else { of }).collect();
+    line.trim().chars().take(most).collect()
+}
+
 /// An address, with the name that was given.
 fn named(address: &str, name: &str) -> String {
-    let name: String = name.trim().chars().filter(|of| !of.is_control()).take(NAME_MAX).collect();
+    let name = line_of(name, NAME_MAX);
     if name.is_empty() { address.to_owned() } else { format!("{name} ({address})") }
 }

@@ -19,7 +19,7 @@
 //!
 //! let text = linewright_line::TransferLine::default().text();
 //! let line = linewright_line::parse("line.toml", &text).unwrap().line;
-//! let mut view = ConsoleView::new(&line, false, |_| "auto");
+//! let mut view = ConsoleView::new(&line, None, |_| "auto");
 //! let page = view.page(&ConsoleInputs::nothing(Duration::from_millis(100), &line));
 //! assert!(!page.mode.is_known);
 //! let frame = PageFeed::default().frame(Duration::from_millis(100), &page);
@@ -42,14 +42,15 @@ mod next;
 mod operate;
 mod page;
 mod plan;
+mod request;
 mod texts;
 mod view;
 
 pub use aged::{Aged, CELL_FRESH, state_fresh};
-pub use alarms::{AlarmPart, AlarmPriority};
+pub use alarms::{AcknowledgePart, AlarmPart, AlarmPriority};
 pub use answers::{AnswerJson, answers, permitted, verdict};
 pub use bounds::{LIST_MAX, TEXT_MAX};
-pub use cell::{CellPart, ShownActivity, ShownOrder, ShownOutage, ShownPart};
+pub use cell::{CellNames, CellPart, ShownActivity, ShownOrder, ShownOutage, ShownPart};
 pub use desk::{ConnectionNumber, ControlDesk, ControlPart, DeskEffect, DeskNote, HolderPart, PressPart};
 pub use frame::{PageChange, PageFeed, PageFrame, PageFrameError, PageReader};
 pub use hold::{
@@ -63,7 +64,8 @@ pub use operate::{
     stations_of, why_not,
 };
 pub use page::{ConsolePage, CyclePart, ModePart, StationHealth, StationPart};
-pub use plan::{PlanPart, PlanStepPart};
+pub use plan::{INERT_FOR, PlanPart, PlanStepPart};
+pub use request::{CellRequest, NOTE_MAX, ResourceCommand};
 pub use texts::{
     OWN_EMERGENCY_STOP, ReasonsByResource, SELECTOR_AT_MANUAL, coordinator_not_received, due, is_over, left_out,
     of_order, of_part, refusal, seconds, span, station_not_received, waits,

@@ -2,7 +2,10 @@
 //!
 //! Strict: a message that no page sends is an error, and ends its connection.
 
+use linewright_coordinator_logic::ModeCommand;
 use serde::{Deserialize, Serialize};
+
+use crate::request::ResourceCommand;
 
 /// Most bytes of a message of a page.
 pub const PAGE_MESSAGE_MAX: usize = 512;
@@ -22,6 +25,9 @@ pub struct PageOperation {
     /// `now_ms` of the newest frame that was drawn.
     pub seen_ms: u64,
     pub act: PageAct,
+    /// Of the button of the step that comes next: the number of that step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step: Option<u64>,
 }
 
 /// What an operator does at a page.
@@ -55,6 +61,34 @@ pub enum PageAct {
     Beat { number: u64 },
     /// It is held no more.
     Release { number: u64 },
+    /// An alarm is seen; it says nothing of what has become of its cause.
+    Acknowledge {
+        /// Number of the alarm on the page.
+        shown: u64,
+        /// For those who read it later. May be empty.
+        note: String,
+    },
+    /// Answers an alarm of a cell, by its number there.
+    Answer { alarm: u64, word: String },
+    /// Submits a production order.
+    Submit {
+        product: String,
+        quantity: u32,
+        /// Empty: one is made of product and time.
+        #[serde(default)]
+        name: String,
+        /// Time from now to the due date, in s.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        due_s: Option<u32>,
+    },
+    /// Nothing more of an order enters.
+    Cancel { order: String },
+    /// An order of which nothing has entered is as if it had never been.
+    Withdraw { order: String },
+    /// Asks why an order, a part or a resource does not go on.
+    Why { about: String },
+    /// Takes a resource out of service, or back.
+    Resource { resource: String, to: ResourceCommand },
 }
 
 /// A message that no page sends.
@@ -79,6 +113,11 @@ impl PageMessage {
 }
 
 impl PageAct {
+    /// Whether it is *estop* of the line, which is given from every page, whatever that shows: a stop too many costs a reset.
+    pub fn is_stop(&self) -> bool {
+        matches!(self, PageAct::Command { word, station: None } if ModeCommand::parse(word) == Some(ModeCommand::EStop))
+    }
+
     /// What tells the button of an act from every other one of a page; none of an act that has no button of its own.
     pub fn key(&self) -> Option<String> {
         let of = |station: &Option<String>| station.as_ref().map_or_else(String::new, |name| format!(" {name}"));
@@ -89,6 +128,14 @@ impl PageAct {
                 Some(format!("select {} {station}", if *manual { "manual" } else { "auto" }))
             }
             PageAct::Press { station, button, .. } => Some(format!("hold {button}{}", of(station))),
+            // Each has one place on its page, whatever it is about.
+            PageAct::Acknowledge { .. } => Some("acknowledge".to_owned()),
+            PageAct::Answer { .. } => Some("answer".to_owned()),
+            PageAct::Submit { .. } => Some("submit".to_owned()),
+            PageAct::Cancel { .. } => Some("cancel".to_owned()),
+            PageAct::Withdraw { .. } => Some("withdraw".to_owned()),
+            PageAct::Why { .. } => Some("why".to_owned()),
+            PageAct::Resource { to, .. } => Some(format!("resource {}", to.word())),
             PageAct::Beat { .. } | PageAct::Release { .. } => None,
         }
     }

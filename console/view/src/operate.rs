@@ -4,12 +4,13 @@
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::{ButtonId, Line, StationId};
-use linewright_msgs::{LineState, StationState};
+use linewright_msgs::{CellState, LineState, StationState};
 use linewright_recovery::PanelButton;
 use serde::Serialize;
 
 use crate::hold::{HoldButton, RESUME};
 use crate::message::PageAct;
+use crate::request::{self, CellRequest};
 use crate::texts::coordinator_not_received;
 
 /// Why a hand-mode button does nothing; the mode follows.
@@ -35,6 +36,8 @@ pub struct OperateStates<'s> {
     pub stations: Vec<Option<&'s StationState>>,
     /// A node runs with another description than this console.
     pub is_other_description: bool,
+    /// Of a flexible cell.
+    pub cell: Option<&'s CellState>,
 }
 
 /// What can be done at a page.
@@ -127,11 +130,16 @@ pub fn why_not(
     act: &PageAct,
     mode_name: fn(u8) -> &'static str,
 ) -> Option<String> {
+    if CellRequest::of(act, "").is_some() {
+        return request::why_not(states.cell, act);
+    }
+    // It is the console's own, and of alarms that are shown while nothing is received too.
+    if let PageAct::Acknowledge { .. } = act {
+        return None;
+    }
     let Some(state) = states.coordinator else {
         // The stop is given all the same: a coordinator that is not received may still receive.
-        let is_stop =
-            matches!(act, PageAct::Command { word, .. } if ModeCommand::parse(word) == Some(ModeCommand::EStop));
-        return (!is_stop).then(|| coordinator_not_received(None));
+        return (!act.is_stop()).then(|| coordinator_not_received(None));
     };
     let other_mode = |needed: u8, id: StationId, why: &str| {
         let mode = states.stations.get(id.index()).copied().flatten().map(|of| of.mode);

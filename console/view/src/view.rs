@@ -7,13 +7,13 @@ use linewright_line::{Line, StationId};
 use linewright_msgs::{CellState, CycleTime, LineState, StationState};
 
 use crate::aged::{Aged, CELL_FRESH, state_fresh};
-use crate::alarms::{AlarmPriority, FirstReceived, LineAlarm, of_cell, of_line};
+use crate::alarms::{AlarmBook, AlarmPriority, FAULT, LineAlarm, NOT_RECEIVED, of_cell, of_line};
 use crate::bounds;
-use crate::cell::{CellPart, now_of};
+use crate::cell::{CellNames, CellPart, now_of};
 use crate::desk::ControlPart;
 use crate::lanes::LaneRecorder;
 use crate::next::{NextStep, asks_to_confirm};
-use crate::operate::{OperatePart, OperateStates};
+use crate::operate::{OperatePart, OperateStates, why_not};
 use crate::page::{ConsolePage, CyclePart, ModePart, StationHealth, StationPart};
 use crate::plan::PlanPart;
 use crate::texts::{
@@ -47,10 +47,11 @@ pub struct ConsoleInputs<'s> {
 #[derive(Debug)]
 pub struct ConsoleView {
     line: Line,
-    is_cell: bool,
+    /// Of a flexible cell.
+    names: Option<CellNames>,
     mode_name: fn(u8) -> &'static str,
     lanes: LaneRecorder,
-    first: FirstReceived,
+    alarms: AlarmBook,
 }
 
 impl ConsoleInputs<'_> {
@@ -72,10 +73,19 @@ impl ConsoleInputs<'_> {
 }
 
 impl ConsoleView {
-    /// A view of this line. `mode_name`: the name of a mode by its number in the messages.
-    pub fn new(line: &Line, is_cell: bool, mode_name: fn(u8) -> &'static str) -> Self {
-        let (lanes, first) = (LaneRecorder::new(line), FirstReceived::default());
-        ConsoleView { line: line.clone(), is_cell, mode_name, lanes, first }
+    /// A view of this line. `names`: of a flexible cell, what can be ordered and taken out of service. `mode_name`: the name of a mode by
+    /// its number in the messages.
+    pub fn new(line: &Line, names: Option<CellNames>, mode_name: fn(u8) -> &'static str) -> Self {
+        let (lanes, alarms) = (LaneRecorder::new(line), AlarmBook::default());
+        ConsoleView { line: line.clone(), names, mode_name, lanes, alarms }
+    }
+
+    /// Acknowledges an alarm, by its number on the page.
+    ///
+    /// # Errors
+    /// When it is over.
+    pub fn acknowledge(&mut self, now: Duration, shown: u64, by: String, note: String) -> Result<(), String> {
+        self.alarms.acknowledge(now, shown, by, note)
     }
 
     /// Takes a station's state when it is received, so that its lanes have motions that are shorter than the time between two pages.
@@ -95,34 +105,46 @@ impl ConsoleView {
             }
             stations.push(self.station(id, *of_station, line, of.next));
         }
-        let cell = of.cell.filter(|cell| self.is_cell && cell.age < CELL_FRESH);
-        let cell_unknown = (self.is_cell && cell.is_none())
+        let is_cell = self.names.is_some();
+        let cell = of.cell.filter(|cell| is_cell && cell.age < CELL_FRESH);
+        let cell_unknown = (is_cell && cell.is_none())
             .then(|| station_not_received(of.cell.and_then(|cell| cell.unheard_for(CELL_FRESH))));
         let mode = self.mode(of, line);
         let mut alarms =
-            line.map_or_else(|| vec![LineAlarm::new("line", "not received", AlarmPriority::High, &mode.text)], of_line);
+            line.map_or_else(|| vec![LineAlarm::new("line", NOT_RECEIVED, AlarmPriority::High, &mode.text)], of_line);
         alarms.extend(of_nodes(of, &stations, cell_unknown.as_deref()));
-        let mut alarms = self.first.aged(of.now, alarms);
+        let mut alarms = self.alarms.aged(of.now, alarms);
         alarms.extend(cell.into_iter().flat_map(|cell| of_cell(cell.state, now_of(cell))));
         alarms.sort_by_key(|alarm| alarm.priority);
+        let unheard = stations.iter().filter(|of| of.health == StationHealth::Unknown).map(|of| of.name.as_str());
+        let silent =
+            [("line", line.is_none()), ("cell", cell_unknown.is_some())].into_iter().filter(|(_, is_so)| *is_so);
+        let silent: Vec<&str> = silent.map(|(name, _)| name).chain(unheard).collect();
+        self.alarms.finish(of.now, &mut alarms, &silent);
         let fresh = OperateStates {
             coordinator: line,
             stations: of.stations.iter().map(|of| of.and_then(|of| of.fresh(limit))).collect(),
             is_other_description: !of.other_descriptions.is_empty(),
+            cell: cell.map(|cell| cell.state),
         };
+        let mut plan = of.plan.clone();
+        if let Some(button) = plan.as_mut().and_then(|plan| plan.button.as_mut()) {
+            let why = button.why_not.take();
+            button.why_not = why.or_else(|| why_not(&self.line, &fresh, &button.act, self.mode_name));
+        }
         ConsolePage {
             operate: OperatePart::of(&self.line, &fresh, self.mode_name),
-            plan: of.plan.clone(),
+            plan,
             control: of.control.clone(),
             title: self.line.title.clone(),
-            is_cell: self.is_cell,
+            is_cell,
             mode,
             other_descriptions: of.other_descriptions.clone(),
             next: of.next.map(|next| next.text().to_owned()),
             alarms,
             stations,
             lanes: self.lanes.at(of.now, &self.line),
-            cell: cell.map(|cell| CellPart::of(cell, of.out_of_service)),
+            cell: cell.zip(self.names.as_ref()).map(|(cell, names)| CellPart::of(cell, of.out_of_service, names)),
             cell_unknown,
         }
     }
@@ -180,7 +202,7 @@ impl ConsoleView {
             };
         };
         let is_left_out = line.is_some_and(|line| line.left_out.contains(&name));
-        let is_alone = self.is_cell && line.is_some_and(|line| line.mode != StationState::MODE_ESTOP);
+        let is_alone = self.names.is_some() && line.is_some_and(|line| line.mode != StationState::MODE_ESTOP);
         let is_stopped = state.mode == StationState::MODE_ESTOP;
         let notes = [(state.selector_manual, SELECTOR_AT_MANUAL), (is_alone && is_stopped, OWN_EMERGENCY_STOP)];
         let health = match () {
@@ -195,7 +217,8 @@ impl ConsoleView {
             () => StationHealth::Ok,
         };
         let shown = next.map_or(Cow::Borrowed(state), |next| next.shown(id, state));
-        let waits_for = if self.is_cell { bounds::texts(waits(&shown)) } else { bounds::texts(&*shown.blocked_by) };
+        let waits_for =
+            if self.names.is_some() { bounds::texts(waits(&shown)) } else { bounds::texts(&*shown.blocked_by) };
         StationPart {
             name,
             health,
@@ -218,9 +241,9 @@ fn of_nodes(of: &ConsoleInputs<'_>, stations: &[StationPart], cell_unknown: Opti
         all.push(LineAlarm::new("line", "description", AlarmPriority::High, &of.other_descriptions.join("; ")));
     }
     for StationPart { name, fault, unknown, .. } in stations {
-        all.extend(fault.as_ref().map(|text| LineAlarm::new(name, "fault", AlarmPriority::High, text)));
-        all.extend(unknown.as_ref().map(|text| LineAlarm::new(name, "not received", AlarmPriority::Medium, text)));
+        all.extend(fault.as_ref().map(|text| LineAlarm::new(name, FAULT, AlarmPriority::High, text)));
+        all.extend(unknown.as_ref().map(|text| LineAlarm::new(name, NOT_RECEIVED, AlarmPriority::Medium, text)));
     }
-    all.extend(cell_unknown.map(|text| LineAlarm::new("cell", "not received", AlarmPriority::Medium, text)));
+    all.extend(cell_unknown.map(|text| LineAlarm::new("cell", NOT_RECEIVED, AlarmPriority::Medium, text)));
     all
 }

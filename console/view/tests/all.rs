@@ -1,5 +1,6 @@
 //! The tests of this crate as one program.
 
+mod acknowledged;
 mod answers;
 mod bench;
 mod cell;
@@ -9,3 +10,4 @@ mod lanes;
 mod next;
 mod operate;
 mod page;
+mod requests;

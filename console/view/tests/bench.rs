@@ -2,13 +2,18 @@
 
 use std::time::Duration;
 
-use linewright_console_view::{Aged, ConsoleInputs, ConsolePage, ConsoleView, state_fresh};
+use linewright_console_view::{Aged, CellNames, ConsoleInputs, ConsolePage, ConsoleView, state_fresh};
 use linewright_line::{Line, StationId};
 use linewright_msgs::{CellState, LineState, StationState};
 
 /// A time since the begin of the console.
 pub fn ms(of: u64) -> Duration {
     Duration::from_millis(of)
+}
+
+/// What the cell of a test has.
+pub fn names() -> CellNames {
+    CellNames { products: vec!["A".to_owned()], resources: vec!["M1".to_owned(), "R".to_owned()] }
 }
 
 /// States with the times at which they were received.
@@ -25,8 +30,9 @@ impl ViewBench {
     pub fn new(is_cell: bool) -> Self {
         let text = linewright_line::TransferLine::default().text();
         let line = linewright_line::parse("line.toml", &text).expect("parses").line;
-        let view =
-            ConsoleView::new(&line, is_cell, |code| if code == StationState::MODE_AUTO { "auto" } else { "other" });
+        let view = ConsoleView::new(&line, is_cell.then(names), |code| {
+            if code == StationState::MODE_AUTO { "auto" } else { "other" }
+        });
         ViewBench { view, coordinator: None, stations: vec![None; line.stations.len()], cell: None, line }
     }
 

@@ -10,7 +10,7 @@ fn at(sec: i32) -> Time {
     Time { sec, nanosec: 0 }
 }
 
-fn cell() -> CellState {
+pub fn cell() -> CellState {
     let alarm = AlarmState {
         id: 4,
         raised: at(940),
@@ -73,6 +73,7 @@ fn ages_are_those_of_the_coordinators_clock() {
     assert_eq!((cell.orders[0].due.as_deref(), cell.orders[0].is_late), (Some("overdue for 1 min 42 s"), true));
     assert_eq!((cell.orders[1].due.as_deref(), cell.orders[1].is_late, cell.orders[1].is_over), (None, false, true));
     assert_eq!(cell.out_of_service[0].text, "M2");
+    assert_eq!((cell.products, cell.resources), (vec!["A".to_owned()], vec!["M1".to_owned(), "R".to_owned()]));
 }
 
 #[test]
@@ -88,7 +89,9 @@ fn an_alarm_has_every_field_that_is_reported() {
         "source": "cell",
         "priority": 2,
         "priority_text": "medium",
-        "state": "active",
+        "shown": 6,
+        "state": "active, not acknowledged",
+        "acknowledged": null,
         "text": "R came to M1 without part 7.",
         "age": "1 min 0 s",
         "number": 4,

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 use std::time::Duration;
 
 use linewright_console_view::{
-    BEAT_WITHIN, ControlDesk, DeskEffect, HoldButton, HoldMessage, PUBLISH_EVERY, PageAct, PageMessage, PageOperation,
-    SEEN_WITHIN,
+    BEAT_WITHIN, ControlDesk, DeskEffect, HoldButton, HoldMessage, INERT_FOR, OperateButton, PUBLISH_EVERY, PageAct,
+    PageMessage, PageOperation, PlanPart, PlanStepPart, SEEN_WITHIN,
 };
 use linewright_line::Line;
 use proptest::prelude::*;
@@ -59,7 +59,7 @@ impl Bench {
 
     /// What is done at a page that shows what is so old.
     fn act_of(&mut self, connection: u64, act: PageAct, age: u64) -> Vec<DeskEffect> {
-        let operation = PageOperation { seen_ms: self.now - age, act };
+        let operation = PageOperation { seen_ms: self.now - age, act, step: None };
         self.desk.take(ms(self.now), connection, &operation, |_| None)
     }
 
@@ -79,7 +79,11 @@ impl Bench {
     }
 
     fn note(&self) -> String {
-        self.desk.part(ms(self.now)).note.map(|note| note.text).unwrap_or_default()
+        self.note_of(1)
+    }
+
+    fn note_of(&self, connection: u64) -> String {
+        self.desk.part(ms(self.now)).notes.remove(&connection).map(|note| note.text).unwrap_or_default()
     }
 
     /// What is published over the next second without a word of any page.
@@ -171,7 +175,7 @@ fn one_page_commands_and_the_other_is_answered_why_not() {
     let is_given = |effects: &[DeskEffect], word: &str| effects.contains(&DeskEffect::Command(word.to_owned()));
     assert!(is_given(&bench.act(1, command("start")), "start"));
     assert!(bench.act(2, command("stop")).is_empty());
-    assert_eq!(bench.note(), "not given: this page has no control; take it first");
+    assert_eq!(bench.note_of(2), "not given: this page has no control; take it first");
     let taken = bench.act(2, PageAct::Take { name: " Ada\u{7} ".to_owned() });
     assert_eq!(taken, [DeskEffect::Log("control taken from 127.0.0.1:1001 by Ada (127.0.0.1:1002)".to_owned())]);
     assert!(bench.act(1, command("start")).is_empty());
@@ -185,6 +189,86 @@ fn one_page_commands_and_the_other_is_answered_why_not() {
 }
 
 #[test]
+fn a_note_belongs_to_the_page_that_has_asked() {
+    let mut bench = Bench::new();
+    bench.act_of(1, command("auto"), 600);
+    bench.act(2, command("auto"));
+    assert!(bench.note_of(1).contains("600 ms old") && bench.note_of(2).contains("no control"));
+    // What is given at the one takes nothing from the other.
+    bench.act(1, command("auto"));
+    assert_eq!((bench.note_of(1), bench.note_of(2).is_empty()), (String::new(), false));
+    bench.hold(1);
+    bench.act(2, take());
+    assert_eq!((bench.note_of(1).contains("no control any more"), bench.note_of(2)), (true, String::new()));
+    bench.desk.closed(ms(bench.now), 1);
+    assert!(bench.desk.part(ms(bench.now)).notes.is_empty(), "it ends with its connection");
+    bench.desk.closed(ms(bench.now), 2);
+    bench.act(2, command("auto"));
+    assert!(bench.desk.part(ms(bench.now)).notes.is_empty(), "and a connection that is gone has none");
+}
+
+/// A plan whose next step is this, with the button of *advance* of this station.
+fn plan(text: &str, station: &str) -> PlanPart {
+    let act = PageAct::Press { number: 0, station: Some(station.to_owned()), button: "advance".to_owned() };
+    let (label, key) = (format!("advance of {station}"), act.key().expect("a button"));
+    let step = PlanStepPart { text: text.to_owned(), since: None, stands: Vec::new() };
+    let button = Some(OperateButton { key, label, act, why_not: None });
+    PlanPart { begin: Vec::new(), steps: vec![step], end: Vec::new(), next: Some(0), button, step: 0 }
+}
+
+/// One button does one thing after the other: the second press of a hurried finger is for the step before.
+#[test]
+fn the_button_of_the_next_step_does_nothing_for_a_while_after_its_step_has_changed() {
+    let mut bench = Bench::new();
+    let inert = INERT_FOR.as_millis() as u64;
+    let shown = |bench: &mut Bench, station: &str| {
+        let plan = bench.desk.plan(ms(bench.now), Some(plan("hold advance", station)), true).expect("it is shown");
+        (plan.step, plan.button.expect("a button").why_not)
+    };
+    let at_button = |bench: &mut Bench, number: u64, step: u64| {
+        let operation = PageOperation { seen_ms: bench.now, act: press(number), step: Some(step) };
+        bench.desk.take(ms(bench.now), 1, &operation, |_| None);
+        bench.desk.live().map(|(number, _)| number)
+    };
+    let (first, why) = shown(&mut bench, "mill_1");
+    assert_eq!(why.as_deref(), Some("the step has just changed: read it, then press"));
+    assert_eq!(at_button(&mut bench, 1, first), None, "inert at the beginning too");
+    bench.now += inert;
+    assert_eq!(shown(&mut bench, "mill_1"), (first, None));
+    assert_eq!(at_button(&mut bench, 2, first), Some(2));
+    bench.act(1, PageAct::Release { number: 2 });
+    // What was just done is not what comes next, before that is known.
+    assert_eq!(at_button(&mut bench, 3, first), None);
+    // Another station's button stands there now.
+    let (second, why) = shown(&mut bench, "clamp_1");
+    assert!(second > first && why.is_some());
+    assert_eq!(at_button(&mut bench, 3, first), None);
+    assert_eq!(bench.note(), "not given: another step comes next by now; read it, then press");
+    assert_eq!(at_button(&mut bench, 4, second), None);
+    assert_eq!(bench.note(), "the step has just changed: read it, then press");
+    bench.now += inert - 1;
+    assert_eq!(at_button(&mut bench, 5, second), None);
+    bench.now += 1;
+    assert_eq!(at_button(&mut bench, 5, second), None, "the number was used");
+    assert_eq!(at_button(&mut bench, 6, second), Some(6));
+    bench.act(1, PageAct::Release { number: 6 });
+    // Steps that are not those of what is received now are looked for.
+    bench.desk.plan(ms(bench.now), Some(plan("hold advance", "clamp_1")), false);
+    assert_eq!(at_button(&mut bench, 7, second), None);
+    // The stop has no step to be late for, and a panel's own button none either.
+    let operation = PageOperation { seen_ms: bench.now, act: command("estop"), step: Some(first) };
+    assert!(!bench.desk.take(ms(bench.now), 1, &operation, |_| None).is_empty());
+    bench.hold(8);
+    // Without steps there is no button.
+    bench.act(1, PageAct::Release { number: 8 });
+    bench.desk.plan(ms(bench.now), None, true);
+    bench.now += inert;
+    for step in 0..20 {
+        assert_eq!(at_button(&mut bench, 9 + step, step), None);
+    }
+}
+
+#[test]
 fn what_is_late_is_not_given_but_the_stop() {
     let mut bench = Bench::new();
     let bound = SEEN_WITHIN.as_millis() as u64;
@@ -194,10 +278,10 @@ fn what_is_late_is_not_given_but_the_stop() {
     assert!(bench.act_of(1, command("estop"), bound + 1).contains(&DeskEffect::Command("estop".to_owned())));
     assert!(bench.act_of(2, take(), bound + 1).is_empty(), "nor is control taken");
     // Of another console: later than now.
-    let operation = PageOperation { seen_ms: bench.now + 1, act: command("auto") };
+    let operation = PageOperation { seen_ms: bench.now + 1, act: command("auto"), step: None };
     assert!(bench.desk.take(ms(bench.now), 1, &operation, |_| None).is_empty());
     // What the mode does not take, and what does not exist.
-    let operation = PageOperation { seen_ms: bench.now, act: command("hand") };
+    let operation = PageOperation { seen_ms: bench.now, act: command("hand"), step: None };
     assert!(bench.desk.take(ms(bench.now), 1, &operation, |_| Some("not possible in auto".to_owned())).is_empty());
     assert_eq!(bench.note(), "not possible in auto");
     assert!(bench.act(1, command("explode")).is_empty());
@@ -206,7 +290,7 @@ fn what_is_late_is_not_given_but_the_stop() {
 #[test]
 fn messages_of_a_page_are_read_strictly() {
     let text = r#"{"seen_ms":5,"act":{"press":{"number":1,"station":"mill_1","button":"advance"}}}"#;
-    let expected = PageOperation { seen_ms: 5, act: press(1) };
+    let expected = PageOperation { seen_ms: 5, act: press(1), step: None };
     assert_eq!(PageMessage::parse(text), Ok(PageMessage::Operated(expected)));
     assert_eq!(PageMessage::parse("17"), Ok(PageMessage::Acknowledged(17)));
     for bad in ["", "+1", "99999999999999999999", "{}", "null", r#"{"seen_ms":5,"act":{"take":{}}}"#, "[1]", "1 "] {
@@ -285,6 +369,8 @@ proptest! {
                         PageAct::Press { number, .. } if *number == 0 => *number = newest + 1,
                         _ => {}
                     }
+                    // One that has run out unseen, since nothing has looked, is ended by the next press, which begins nothing then.
+                    let was_live = bench.desk.live().is_some();
                     bench.act_of(connection, act.clone(), age);
                     let (at, is_fresh) = (connection as usize, age <= 500);
                     if !open[at] {
@@ -297,7 +383,7 @@ proptest! {
                             judged = judged.filter(|of| of.number == number && is_fresh).map(|of| Judged { beat_at: now, ..of });
                         }
                         PageAct::Press { number, .. } => {
-                            let begins = judged.is_none() && is_fresh && number > used[at];
+                            let begins = judged.is_none() && !was_live && is_fresh && number > used[at];
                             used[at] = used[at].max(number);
                             judged = begins.then_some(Judged { number, beat_at: now });
                         }

@@ -223,7 +223,10 @@ fn alarms() -> Vec<AlarmText<'static>> {
         AlarmText::Mismatch { .. } => AlarmText::Mismatch { found, missing: None, bring: None },
             AlarmText::Mismatch { found, missing: Some(NAMED), bring: None },
             AlarmText::Mismatch { found, missing: None, bring: Some("Bring m1 to \"open\": ….") };
-        AlarmText::GivenUp { .. } => AlarmText::GivenUp { resource: "M1", why: "m1: no state received" };
+        AlarmText::PartGivenUp { .. } => AlarmText::PartGivenUp { resource: "M1" };
+        AlarmText::GivenUp { .. } => {
+            AlarmText::GivenUp { found: "The part of M1 is given up.", resource: "M1", why: "m1: no state received" }
+        };
         AlarmText::MovesToo { .. } => AlarmText::MovesToo { button: "PB_load_1", station: "robot" };
         AlarmText::PartMissing { .. } => AlarmText::PartMissing { resource: "M1" };
         AlarmText::PartUnexpected { .. } => AlarmText::PartUnexpected { resource: "M1" };

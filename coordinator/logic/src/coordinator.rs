@@ -27,7 +27,7 @@ use linewright_line::{Line, StationId, Tick};
 
 use crate::buttons::Buttons;
 use crate::decision::{ModeCommand, ModeFacts, next};
-use crate::refusal::{ModeRefusal, RefusedCommand};
+use crate::refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
 use crate::resume::ResumeButton;
 
 #[derive(Clone, Debug, Default)]
@@ -218,6 +218,11 @@ impl Coordinator {
             ModeInput::Buttons(held) => self.changed |= self.buttons.hear(self.now, held, self.line.timing.stale),
             ModeInput::LateButtons(held) => {
                 self.buttons.hear_late(self.now, held, self.line.timing.stale);
+                self.changed = true;
+            }
+            ModeInput::TwoConsoles => {
+                let reasons = vec![ModeRefusal::TwoConsoles];
+                self.refusals.push(RefusedCommand { command: OperatorCommand::Buttons, mode: self.mode, reasons });
                 self.changed = true;
             }
             ModeInput::Resume(console, held) => self.hear_resume(console, held),

@@ -98,6 +98,8 @@ pub enum OperatorCommand {
     Mode(ModeCommand),
     /// Manual for one station while the others are in auto; false: auto again.
     Single(StationId, bool),
+    /// Hand-mode buttons, held.
+    Buttons,
     /// Resume, held.
     Resume,
 }
@@ -109,6 +111,7 @@ impl OperatorCommand {
             OperatorCommand::Mode(command) => command.name(),
             OperatorCommand::Single(_, true) => ModeCommand::Manual.name(),
             OperatorCommand::Single(_, false) => ModeCommand::Auto.name(),
+            OperatorCommand::Buttons => "buttons",
             OperatorCommand::Resume => "resume",
         }
     }
@@ -117,7 +120,7 @@ impl OperatorCommand {
     pub fn words(self, line: &Line) -> String {
         match self {
             OperatorCommand::Single(station, _) => format!("{} {}", self.name(), line.station(station).name),
-            OperatorCommand::Mode(_) | OperatorCommand::Resume => self.name().to_owned(),
+            OperatorCommand::Mode(_) | OperatorCommand::Buttons | OperatorCommand::Resume => self.name().to_owned(),
         }
     }
 }

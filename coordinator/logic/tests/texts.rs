@@ -82,6 +82,11 @@ fn all_texts_of_the_mode_decision() {
         mode: ControlMode::Auto,
         reasons: vec![ModeRefusal::NotManual],
     };
+    let buttons = RefusedCommand {
+        command: OperatorCommand::Buttons,
+        mode: ControlMode::Hand,
+        reasons: vec![ModeRefusal::TwoConsoles],
+    };
     let single = RefusedCommand {
         command: OperatorCommand::Single(StationId(1), true),
         mode: ControlMode::Auto,
@@ -111,7 +116,7 @@ fn all_texts_of_the_mode_decision() {
     stops.push(ModeText::default());
     let lists = [
         listed("why a command is refused", &reasons(), |reason| reason.text(&line)),
-        listed("a refusal", &[refusal, resume, single], |refusal| refusal.text(&line)),
+        listed("a refusal", &[refusal, buttons, resume, single], |refusal| refusal.text(&line)),
         listed("the mode", &modes, |mode| mode.text(ControlMode::Auto)),
         listed("the emergency stop", &stops, |mode| mode.text(ControlMode::EStop)),
     ];

@@ -277,8 +277,8 @@ impl CoordinatorLoop {
                 }
                 Err(unknown) => self.refuse(unknown, String::new(), &[]),
             },
-            CoordinatorInbound::Buttons(names) => match self.buttons(&names) {
-                Ok(held) => self.handle(CoordinatorArrival::Buttons(held)),
+            CoordinatorInbound::Buttons { console, names } => match self.buttons(&names) {
+                Ok(held) => self.handle(CoordinatorArrival::Buttons { console, held }),
                 Err(unknown) => self.refuse(unknown, String::new(), &[]),
             },
             CoordinatorInbound::Resume { console, held } => {

@@ -14,8 +14,13 @@ use tokio::sync::mpsc;
 pub enum CoordinatorInbound {
     /// An operator's command in words.
     Command(String),
-    /// Hand-mode buttons held, by name, separated by blanks.
-    Buttons(String),
+    /// Hand-mode buttons held.
+    Buttons {
+        /// One for each publisher, and for each start of it.
+        console: u64,
+        /// Separated by blanks.
+        names: String,
+    },
     /// Resume, held or released.
     Resume {
         /// One for each publisher, and for each start of it.
@@ -95,7 +100,7 @@ pub fn open(
             node.subscription("buttons", qos::command())?,
             to.clone(),
             |m: &Text| m.data.trim().is_empty(),
-            |m, _| Some(CoordinatorInbound::Buttons(m.data)),
+            |m, source| Some(CoordinatorInbound::Buttons { console: source.publisher_id(), names: m.data }),
         ),
         forward_timely(
             node.subscription("resume", qos::command())?,

@@ -12,8 +12,13 @@ pub enum CoordinatorArrival {
     Command(ModeCommand),
     /// Manual for one station of a cell while the others are in auto; false: auto again.
     Single(StationId, bool),
-    /// Hand-mode buttons held, a bit each.
-    Buttons(u32),
+    /// Hand-mode buttons at a console.
+    Buttons {
+        /// The console's identity, another one with each start of it.
+        console: u64,
+        /// Those held, a bit each.
+        held: u32,
+    },
     /// Resume at a console.
     Resume {
         /// The console's identity, another one with each start of it.

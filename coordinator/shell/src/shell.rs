@@ -16,7 +16,7 @@ use linewright_coordinator_logic::{Coordinator, Gateway, ManualPermit, ModeInput
 use linewright_line::net::ControlMode;
 use linewright_line::{DeviceBus, Line, StationId, Tick};
 use linewright_station_logic::ModeOrder;
-use linewright_station_shell::{EPOCH_JUMP_MAX, NewestBySequence, RivalLife, Rivals, ShellRules};
+use linewright_station_shell::{EPOCH_JUMP_MAX, HeldByOne, HeldPass, NewestBySequence, RivalLife, Rivals, ShellRules};
 
 use crate::effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord};
 use crate::gateway_station::{GatewayStation, GatewayStop};
@@ -40,6 +40,9 @@ pub struct CoordinatorShell {
     outbox: ModeOutbox,
     behind: Vec<GatewayStation>,
     states: Vec<NewestBySequence>,
+    /// Hand-mode buttons, and resume.
+    buttons: HeldByOne,
+    resume: HeldByOne,
     /// Other coordinators that give orders on this line.
     rivals: Rivals,
     /// A station has acknowledged an order of this life.
@@ -89,6 +92,8 @@ impl CoordinatorShell {
             outbox: ModeOutbox::default(),
             behind: behind.map(|id| GatewayStation::new(line, id)).collect(),
             states: vec![NewestBySequence::new(stale); stations],
+            buttons: HeldByOne::default(),
+            resume: HeldByOne::default(),
             rivals: Rivals::new(line.timing.refresh, stale),
             is_followed: false,
             others_are_followed: false,
@@ -204,6 +209,16 @@ impl CoordinatorShell {
         }
     }
 
+    /// Takes hand-mode buttons. They are held by one console at a time.
+    fn buttons(&mut self, now: Tick, console: u64, held: u32) {
+        let pass = self.buttons.offer(now, console, held != 0, self.stale);
+        if pass == HeldPass::Second {
+            self.coordinator.handle(now, ModeInput::TwoConsoles);
+        }
+        let held = if pass == HeldPass::Taken { held } else { 0 };
+        self.coordinator.handle(now, ModeInput::Buttons(held));
+    }
+
     /// The order as it goes to one station, with the life it is for. A station may be in emergency stop or in manual by itself; in manual it stands by until its panel is to act.
     pub fn order_for(&self, station: StationId) -> ModeOrder {
         let order = self.order();
@@ -228,15 +243,17 @@ impl CoordinatorShell {
                 self.coordinator.handle(now, ModeInput::Single(station, is_manual));
             }
             // Buttons that were held before the gap may have been released in it, or not.
-            CoordinatorArrival::Buttons(held) if is_doubtful => {
+            CoordinatorArrival::Buttons { console, held } if is_doubtful => {
+                self.buttons.offer_late(console, held != 0);
                 self.coordinator.handle(now, ModeInput::LateButtons(held));
             }
-            CoordinatorArrival::Buttons(held) => self.coordinator.handle(now, ModeInput::Buttons(held)),
-            CoordinatorArrival::Resume { console, held } if is_doubtful => {
-                self.coordinator.handle(now, ModeInput::LateResume(console, held));
-            }
+            CoordinatorArrival::Buttons { console, held } => self.buttons(now, console, held),
             CoordinatorArrival::Resume { console, held } => {
-                self.coordinator.handle(now, ModeInput::Resume(console, held));
+                // It has rules of its own for two consoles; here only that a release is one of its own console alone.
+                let pass = self.resume.offer(now, console, held, self.stale);
+                let is_late = is_doubtful || pass == HeldPass::Unreleased;
+                let input = if is_late { ModeInput::LateResume } else { ModeInput::Resume };
+                self.coordinator.handle(now, input(console, held));
             }
             CoordinatorArrival::Order { boot_id, sequence } => {
                 if boot_id != self.boot_id && !is_doubtful {

@@ -2,6 +2,7 @@
 
 mod cycle_time;
 mod founding;
+mod held;
 mod records;
 mod rig;
 mod rivals;

@@ -80,7 +80,7 @@ fn a_button_that_was_held_over_a_standstill_counts_when_it_was_released() {
     let mut rig = Rig::new(CoordinatorRecord::default());
     rig.refresh();
     let held = |rig: &mut Rig, buttons: u32| {
-        rig.shell.handle(rig.now, CoordinatorArrival::Buttons(buttons));
+        rig.shell.handle(rig.now, CoordinatorArrival::Buttons { console: 1, held: buttons });
         rig.refresh();
         rig.shell.order().buttons
     };

@@ -28,6 +28,8 @@ use linewright_simulation::cell::{CellSim, CellSimOptions, ShopFloor, nests};
 use linewright_simulation::{ConflictObserver, Rng};
 use linewright_station_logic::PanelCommand;
 
+use crate::message::CONSOLE;
+
 pub use plan::{FLOOR_MUTANTS, FloorMutant};
 use plan::{FloorTrouble, FloorWork, PlannedTrouble};
 
@@ -301,8 +303,8 @@ impl FloorWorld {
         let untouched = self.line.console.estop.filter(|contact| !contact.pressed);
         let bits = untouched.map_or(0, |contact| 1 << contact.input.0);
         self.shell.handle(now, CoordinatorArrival::Console { bits, valid: true });
-        self.shell.handle(now, CoordinatorArrival::Buttons(self.buttons));
-        self.shell.handle(now, CoordinatorArrival::Resume { console: 1, held: self.resumes });
+        self.shell.handle(now, CoordinatorArrival::Buttons { console: CONSOLE, held: self.buttons });
+        self.shell.handle(now, CoordinatorArrival::Resume { console: CONSOLE, held: self.resumes });
         self.sequence += 1;
         for id in self.line.station_ids() {
             if !self.is_received(id) {

@@ -54,6 +54,8 @@ pub enum StationInput<'a> {
     View(StationId, &'a StationReport),
     /// The station's panel, by message.
     Panel(PanelCommand),
+    /// Two consoles send a button of its panel; it counts for neither. Until then, if nothing more of both is received.
+    TwoConsoles(Tick),
     /// An operator's confirmation of where the station stands, with the parameters of the task that it stands in.
     Rejoin(RejoinAt, &'a [(Arc<str>, i32)]),
     /// An order for a task, or about one; for a task-driven station.
@@ -275,6 +277,7 @@ impl Controller {
                 self.commands.panel(now, command, self.stale);
                 self.due.report |= before != self.commands.selector_manual();
             }
+            StationInput::TwoConsoles(until) => self.commands.hear_two_consoles(until),
         }
         Ok(())
     }

@@ -113,6 +113,9 @@ impl Controller {
         if let Some((followed, other)) = self.commands.contested(now) {
             reasons.push(StationWait::RivalCoordinators { followed, other }.text());
         }
+        if self.panel_is_live() && self.commands.has_two_consoles(now) {
+            reasons.push(StationWait::OneConsole.text());
+        }
         if !self.image.valid {
             reasons.push(StationWait::Devices.text());
         }

@@ -146,6 +146,8 @@ pub(crate) struct Commands {
     retract: HeldButton,
     /// Held at a console; by order.
     resume: HeldButton,
+    /// Two consoles send a button of the panel, until then.
+    two_consoles: Tick,
     selector: bool,
     /// From the station's own inputs: manual, advance, return.
     wired: (bool, bool, bool),
@@ -165,6 +167,7 @@ impl Commands {
             advance: HeldButton::default(),
             retract: HeldButton::default(),
             resume: HeldButton::default(),
+            two_consoles: Tick::ZERO,
             selector: false,
             wired: (false, false, false),
             armed: 0,
@@ -250,6 +253,15 @@ impl Commands {
             PanelCommand::Retract(held) => self.retract.hear(now, held, stale),
             PanelCommand::Selector(manual) => self.selector = manual,
         }
+    }
+
+    pub(crate) fn hear_two_consoles(&mut self, until: Tick) {
+        self.two_consoles = until;
+    }
+
+    /// Whether two consoles send a button of the panel.
+    pub(crate) fn has_two_consoles(&self, now: Tick) -> bool {
+        now < self.two_consoles
     }
 
     pub(crate) fn wired(&mut self, manual: bool, advance: bool, retract: bool) {

@@ -156,6 +156,7 @@ fn doubts() -> Vec<PositionDoubt> {
 fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a str) -> Vec<StationWait<'a>> {
     let (station, op, own) = ("clamp_1", "close", "advance");
     let mut waits = samples!(StationWait<'_> {
+        StationWait::OneConsole => StationWait::OneConsole;
         StationWait::RivalCoordinators { .. } => StationWait::RivalCoordinators { followed: 17, other: 23 };
         StationWait::Devices => StationWait::Devices;
         StationWait::PositionLost(_) => StationWait::PositionLost(lost);

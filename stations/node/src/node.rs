@@ -291,8 +291,8 @@ impl StationLoop {
             },
             StationInbound::Trouble(text) => self.words.trouble(&text),
             StationInbound::Selector(text) => match text.trim() {
-                "manual" => self.panel(PanelCommand::Selector(true)),
-                "auto" => self.panel(PanelCommand::Selector(false)),
+                "manual" => self.selector(true),
+                "auto" => self.selector(false),
                 other => self.ignore(format!("selector '{}': expected auto or manual", quoted(other))),
             },
             StationInbound::Goal(asked) if !self.shell.takes_tasks_of(asked.from) => {
@@ -315,8 +315,7 @@ impl StationLoop {
                 }
             }
             StationInbound::Rejoin(text) => self.rejoin(&text),
-            StationInbound::Advance(held) => self.panel(PanelCommand::Advance(held)),
-            StationInbound::Retract(held) => self.panel(PanelCommand::Retract(held)),
+            StationInbound::Button { console, command } => self.handle(StationArrival::Panel { console, command }),
         }
     }
 
@@ -327,8 +326,9 @@ impl StationLoop {
         }
     }
 
-    fn panel(&mut self, command: PanelCommand) {
-        self.handle(StationArrival::Panel(command));
+    fn selector(&mut self, is_manual: bool) {
+        // Set by whichever console turns it.
+        self.handle(StationArrival::Panel { console: 0, command: PanelCommand::Selector(is_manual) });
     }
 
     fn bus_news(&mut self, news: &[News]) {

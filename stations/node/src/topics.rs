@@ -4,10 +4,10 @@ use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{Flag, ModeOrder, ProcessImage, RunTaskGoal, StationEvent, StationState, Text};
 use linewright_node_line::{ConvertError, of_this_description};
 use linewright_node_shell::{
-    Forward, GoalRequest, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, forward_timely, qos,
-    watch_middleware,
+    Forward, GoalRequest, MessagePace, MessageSource, Publisher, RosNode, TopicError, forward, forward_present,
+    forward_timely, qos, watch_middleware,
 };
-use linewright_station_logic::{LeaveWay, OrderKey};
+use linewright_station_logic::{LeaveWay, OrderKey, PanelCommand};
 use linewright_station_shell::{InputsMessage, ParticipantId};
 use tokio::sync::mpsc;
 
@@ -29,14 +29,22 @@ pub enum StationInbound {
     /// An operator confirms where the station stands: the name of the operation it was stopped in, or nothing where its
     /// switches measure that.
     Rejoin(String),
-    /// The panel's advance.
-    Advance(bool),
-    /// The panel's return.
-    Retract(bool),
+    /// A button of the panel.
+    Button {
+        /// One for each publisher, and for each start of it.
+        console: u64,
+        command: PanelCommand,
+    },
     /// A task is ordered, or cancelled.
     Goal(GoalRequest<RunTaskGoal>),
     /// An order is to be left.
     Secure(OrderKey, LeaveWay, ParticipantId),
+}
+
+impl StationInbound {
+    fn button(of: &MessageSource, command: PanelCommand) -> Self {
+        StationInbound::Button { console: of.publisher_id(), command }
+    }
 }
 
 /// The publishers of a station.
@@ -89,13 +97,13 @@ pub fn open(
             node.subscription("~/advance", qos::command())?,
             to.clone(),
             |m: &Flag| !m.data,
-            |m, _| Some(StationInbound::Advance(m.data)),
+            |m, source| Some(StationInbound::button(&source, PanelCommand::Advance(m.data))),
         ),
         forward_timely(
             node.subscription("~/return", qos::command())?,
             to.clone(),
             |m: &Flag| !m.data,
-            |m, _| Some(StationInbound::Retract(m.data)),
+            |m, source| Some(StationInbound::button(&source, PanelCommand::Retract(m.data))),
         ),
     ];
     let pace = MessagePace::new(line.timing.refresh, line.timing.stale);

@@ -59,7 +59,11 @@ pub enum StationArrival<'a> {
         losses: u64,
     },
     /// The panel, by message.
-    Panel(PanelCommand),
+    Panel {
+        /// Identity of the sender, another one with each start of it.
+        console: u64,
+        command: PanelCommand,
+    },
     /// An operator's confirmation of where the station stands, with the parameters of the task that it stands in.
     Rejoin(RejoinAt, &'a [(Arc<str>, i32)]),
     /// An order for a task, or about one.

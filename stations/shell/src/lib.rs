@@ -5,15 +5,18 @@
 //! node) is [`StationShell`]: it takes arrivals and gives effects, in the order in which they must become true. The node
 //! of ROS 2 performs them with sockets and files, a simulation in memory; neither has rules of its own.
 //!
-//! [`NewestBySequence`] is here for every reader of whole-state messages, [`Rivals`] for those of the coordinator's order.
+//! [`NewestBySequence`] is here for every reader of whole-state messages, [`Rivals`] for those of the coordinator's order,
+//! [`HeldByOne`] for those of held buttons.
 
 mod effect;
+mod held;
 mod newest;
 mod rivals;
 mod rules;
 mod shell;
 
 pub use effect::{Driven, InputsMessage, ParticipantId, StationArrival, StationEffect};
+pub use held::{HeldByOne, HeldPass};
 pub use newest::NewestBySequence;
 pub use rivals::{RivalLife, Rivals};
 pub use rules::ShellRules;

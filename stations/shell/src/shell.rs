@@ -16,6 +16,7 @@ use linewright_station_logic::{
 };
 
 use crate::effect::{Driven, InputsMessage, ParticipantId, StationArrival, StationEffect};
+use crate::held::{HeldByOne, HeldPass};
 use crate::newest::NewestBySequence;
 use crate::rivals::Rivals;
 use crate::rules::ShellRules;
@@ -40,6 +41,9 @@ pub struct StationShell {
     /// Coordinators that give orders beside the one that is followed.
     rivals: Rivals,
     contest: Option<RivalCoordinators>,
+    /// The panel's buttons.
+    advance: HeldByOne,
+    retract: HeldByOne,
     images: NewestBySequence,
     states: Vec<NewestBySequence>,
     /// [`InputsMessage::lives`] of the image the controller saw last.
@@ -92,6 +96,8 @@ impl StationShell {
             order_source: line.station(station).order_source,
             rivals: Rivals::new(line.timing.refresh, stale),
             contest: None,
+            advance: HeldByOne::default(),
+            retract: HeldByOne::default(),
             images: NewestBySequence::new(stale),
             states: vec![NewestBySequence::new(stale); line.stations.len()],
             lives: 0,
@@ -193,10 +199,12 @@ impl StationShell {
                 Handled::Taken
             }
             // A button that was held before the gap may have been released in it.
-            StationArrival::Panel(PanelCommand::Advance(true) | PanelCommand::Retract(true)) if is_doubtful => {
+            StationArrival::Panel { command: PanelCommand::Advance(true) | PanelCommand::Retract(true), .. }
+                if is_doubtful =>
+            {
                 Handled::Taken
             }
-            StationArrival::Panel(command) => self.controller.handle(now, StationInput::Panel(command)),
+            StationArrival::Panel { console, command } => self.panel(now, console, command),
             StationArrival::Rejoin(..) if is_doubtful => {
                 self.ignore("rejoin: the node stood still just before it; confirm again", effects);
                 return;
@@ -215,6 +223,20 @@ impl StationShell {
         if self.ignored.is_power_of_two() {
             effects.push(StationEffect::Ignored { count: self.ignored, why: why.to_string() });
         }
+    }
+
+    /// Takes a command of the panel. A button is held by one console at a time.
+    fn panel(&mut self, now: Tick, console: u64, command: PanelCommand) -> Handled {
+        let (button, held, released) = match command {
+            PanelCommand::Advance(held) => (&mut self.advance, held, PanelCommand::Advance(false)),
+            PanelCommand::Retract(held) => (&mut self.retract, held, PanelCommand::Retract(false)),
+            PanelCommand::Selector(_) => return self.controller.handle(now, StationInput::Panel(command)),
+        };
+        if button.offer(now, console, held, self.stale) == HeldPass::Taken {
+            return self.controller.handle(now, StationInput::Panel(command));
+        }
+        self.controller.handle(now, StationInput::TwoConsoles(now + self.stale));
+        self.controller.handle(now, StationInput::Panel(released))
     }
 
     /// Takes an order. The emergency stop is obeyed whichever coordinator gives it, in whichever of its lives, sequences

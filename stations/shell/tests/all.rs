@@ -3,6 +3,7 @@
 mod contest;
 mod estop;
 mod gap;
+mod held;
 mod newest;
 mod numbered;
 mod order_of_effects;

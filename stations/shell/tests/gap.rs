@@ -3,8 +3,6 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode::{Manual, StandBy};
-use linewright_station_logic::PanelCommand;
-use linewright_station_shell::StationArrival;
 
 use crate::rig::Rig;
 
@@ -59,7 +57,7 @@ fn a_button_that_was_held_before_a_gap_was_released_in_it() {
         assert!(!rig.kinds().contains(&"on"), "{:?}", rig.kinds());
         rig.pass(rig.timing().refresh);
     }
-    rig.take(StationArrival::Panel(PanelCommand::Advance(false)));
+    rig.advance(false);
     rig.act();
     rig.refresh(5, Manual);
     rig.act();

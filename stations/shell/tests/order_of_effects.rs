@@ -1,8 +1,8 @@
 //! Order of effects: records before outputs, and those before messages.
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{HappeningKind, PanelCommand};
-use linewright_station_shell::{StationArrival, StationEffect};
+use linewright_station_logic::HappeningKind;
+use linewright_station_shell::StationEffect;
 
 use crate::rig::{FOLLOWED, Rig};
 
@@ -10,7 +10,7 @@ use crate::rig::{FOLLOWED, Rig};
 fn a_motion_begins_when_its_record_is_written_and_is_told_after_that() {
     let mut rig = Rig::new();
     rig.refresh(5, ControlMode::Manual);
-    rig.take(StationArrival::Panel(PanelCommand::Advance(false)));
+    rig.advance(false);
     rig.act();
     rig.effects.clear();
     rig.refresh(5, ControlMode::Manual);
@@ -60,7 +60,7 @@ fn what_is_ignored_is_told_the_first_second_fourth_and_eighth_time() {
 fn a_motion_is_switched_off_before_its_record_is_written() {
     let mut rig = Rig::new();
     rig.close();
-    rig.take(StationArrival::Panel(PanelCommand::Advance(false)));
+    rig.advance(false);
     rig.act();
     assert_eq!(rig.kinds()[..2], ["off", "remember"]);
     assert!(rig.shell.controller().marking().any(|place| place.is_incomplete()));
@@ -72,7 +72,7 @@ fn after_a_slow_record_nothing_is_switched_on_by_what_was_decided_before_it() {
     for (late, begins) in [(std::time::Duration::from_millis(1), true), (std::time::Duration::from_secs(1), false)] {
         let mut rig = Rig::new();
         rig.refresh(5, ControlMode::Manual);
-        rig.take(StationArrival::Panel(PanelCommand::Advance(false)));
+        rig.advance(false);
         rig.act();
         rig.refresh(5, ControlMode::Manual);
         rig.effects.clear();

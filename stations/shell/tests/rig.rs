@@ -12,7 +12,9 @@ pub const FOLLOWED: u64 = 11;
 pub const OTHER: u64 = 12;
 /// The first life of the station.
 pub const LIFE: u64 = 7;
-const ADVANCE: OpId = OpId(1);
+/// The console at its panel.
+pub const CONSOLE: u64 = 21;
+pub const ADVANCE: OpId = OpId(1);
 
 /// Participant of a coordinator in one of its lives.
 pub fn sender_of(life: u64) -> ParticipantId {
@@ -161,7 +163,12 @@ impl Rig {
             self.take(StationArrival::State { station, sequence: self.sequence, report: &report });
             self.peers.push((station, report));
         }
-        self.take(StationArrival::Panel(PanelCommand::Advance(true)));
+        self.advance(true);
+    }
+
+    /// Advance at its panel is held, or released.
+    pub fn advance(&mut self, held: bool) {
+        self.take(StationArrival::Panel { console: CONSOLE, command: PanelCommand::Advance(held) });
     }
 
     /// The clamp closes, by its panel.
@@ -172,7 +179,7 @@ impl Rig {
             self.peers.push((station, report));
         }
         self.act();
-        self.take(StationArrival::Panel(PanelCommand::Advance(true)));
+        self.advance(true);
         self.act();
         let closes = self.shell.controller().marking().any(|place| place.is_operating() && place.op == ADVANCE);
         assert!(closes, "{:?}", self.shell.controller().blocked_by(&self.line, self.now));

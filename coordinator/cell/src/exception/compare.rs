@@ -174,6 +174,6 @@ impl Coordination {
         let missing = self.state.resting(resource).map(|(_, part)| part).filter(|_| found.model);
         let text = resource_texts::mismatch(&self.state, &found, missing, None);
         let words = [alarm::UP].into_iter().chain(missing.map(|_| alarm::GONE)).map(str::to_owned).collect();
-        self.alarm_of_resource(now, resource, text, words, out);
+        self.alarm_of_resource(now, resource, (text, None), words, out);
     }
 }

@@ -68,16 +68,17 @@ impl Coordination {
             self.leave_out(now, resource, OutOfServiceReason::Rest, out);
         }
         let text = resource_texts::wrong_rest(&self.state, &found);
-        self.alarm_of_resource(now, resource, text, vec![alarm::UP.to_owned()], out);
+        self.alarm_of_resource(now, resource, (text, None), vec![alarm::UP.to_owned()], out);
         true
     }
 
-    /// Raises an alarm of a resource. One that stands with the same text and answers keeps its number.
+    /// Raises an alarm of a resource, with what was found after an answer where its text begins with that. One that stands with the same
+    /// text and answers keeps its number.
     pub(super) fn alarm_of_resource(
         &mut self,
         now: Tick,
         resource: ResourceId,
-        text: String,
+        (text, finding): (String, Option<String>),
         words: Vec<String>,
         out: &mut PlayerOutbox,
     ) {
@@ -85,7 +86,7 @@ impl Coordination {
         let is_same = |alarm: &Alarm| alarm.about == about && alarm.text == text && alarm.words == words;
         if !self.state.exceptions().alarms().any(is_same) {
             let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
-            self.except(now, ExceptionStep::Alarmed { alarm, about, text, words, finding: None }, out);
+            self.except(now, ExceptionStep::Alarmed { alarm, about, text, words, finding }, out);
         }
     }
 }

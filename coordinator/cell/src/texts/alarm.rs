@@ -303,8 +303,10 @@ pub enum AlarmText<'a> {
     /// A sensor contradicts the model; a part that is missing may have been removed; a station that is closed on a part that is not in the
     /// model has to be brought to another rest first.
     Mismatch { found: &'a str, missing: Option<&'a str>, bring: Option<&'a str> },
-    /// A missing part is given up, and why its resource cannot be counted on.
-    GivenUp { resource: &'a str, why: &'a str },
+    /// A missing part is given up.
+    PartGivenUp { resource: &'a str },
+    /// The same, and why its resource cannot be counted on.
+    GivenUp { found: &'a str, resource: &'a str, why: &'a str },
     /// A station that stands at another rest than its next task begins at, and how it is brought there.
     WrongRest {
         resource: &'a str,
@@ -402,10 +404,9 @@ impl AlarmText<'_> {
             AlarmText::Mismatch { found, missing: Some(part), .. } => {
                 format!("{found}. Correct it, then answer \"{UP}\"; if {part} was removed, answer \"{GONE}\".")
             }
-            AlarmText::GivenUp { resource, why } => {
-                format!(
-                    "The part of {resource} is given up. {resource} stays out of service: {why}. When that is put right, answer \"{UP}\"."
-                )
+            AlarmText::PartGivenUp { resource } => format!("The part of {resource} is given up."),
+            AlarmText::GivenUp { found, resource, why } => {
+                format!("{found} {resource} stays out of service: {why}. When that is put right, answer \"{UP}\".")
             }
             AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, bring } => {
                 let part = if has_part { "a part" } else { "no part" };

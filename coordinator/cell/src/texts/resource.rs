@@ -24,7 +24,13 @@ pub(crate) fn given_up(state: &PlayerState, resource: ResourceId, why: AlarmAnsw
     let handling = state.table().handling();
     let name = |id: ResourceId| handling.resource_name(id).to_owned();
     let why = why.text(ResourceRequest::Up(resource), |id| handling.station_name(id), name, |_| String::new());
-    AlarmText::GivenUp { resource: handling.resource_name(resource), why: &why }.text()
+    let found = is_given_up(state, resource);
+    AlarmText::GivenUp { found: &found, resource: handling.resource_name(resource), why: &why }.text()
+}
+
+/// That it is given up, alone.
+pub(crate) fn is_given_up(state: &PlayerState, resource: ResourceId) -> String {
+    AlarmText::PartGivenUp { resource: state.table().handling().resource_name(resource) }.text()
 }
 
 /// A station at another rest than its next task begins at.

@@ -180,7 +180,14 @@ fn a_part_is_given_up_whatever_its_station_can_do() {
         bench.answer("up");
         assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Answer(alarm), why)));
         assert_eq!((bench.alarm().id, bench.down().len()), (alarm, 1), "it keeps its number");
+        // What keeps the station from work is another reason by now.
+        let before = bench.alarm_now();
         bench.at("m1").is_away = false;
+        bench.at("m1").unable = Some(StationUnavailable::Incomplete);
+        bench.hear();
+        let now = bench.alarm_now();
+        assert!(now != before && now.contains("stays out of service: m1: operation incomplete"), "{before} {now}");
+        assert_eq!(bench.alarm().id, alarm, "it keeps its number");
         bench.works("m1");
         bench.answer("up");
         assert_eq!((bench.down(), bench.state().exceptions().scrapped()), (vec![], 1));

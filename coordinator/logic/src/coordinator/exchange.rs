@@ -68,6 +68,8 @@ pub enum ModeInput {
     Buttons(u32),
     /// The same, from an unknown time: none of them counts, and those held are not released by it.
     LateButtons(u32),
+    /// Two consoles send hand-mode buttons; they count for neither.
+    TwoConsoles,
     /// Resume at a console, by message: the console's identity, and whether it is held. Must be refreshed.
     Resume(u64, bool),
     /// The same, from an unknown time.

@@ -26,7 +26,7 @@ impl RefusedCommand {
         let reasons = reason_texts(&self.reasons, line, trouble_of);
         let of = match self.command {
             OperatorCommand::Single(station, _) => format!(" of {}", line.station(station).name),
-            OperatorCommand::Mode(_) | OperatorCommand::Resume => String::new(),
+            OperatorCommand::Mode(_) | OperatorCommand::Buttons | OperatorCommand::Resume => String::new(),
         };
         format!("{}{of} refused in {}: {}", self.command.name(), self.mode, reasons.join("; "))
     }

@@ -65,6 +65,8 @@ pub enum StationWait<'a> {
     ButtonUndone { again: &'a str },
     /// A button in hand mode that begins a task: the choices, each from [`StationWait::task_button`].
     TaskButton { choices: &'a [String] },
+    /// One console at the station's panel: two send a button of it.
+    OneConsole,
     /// A command of the station's panel.
     Panel,
     /// At a rest in manual: what begins a task, or takes one back.
@@ -187,6 +189,10 @@ impl StationWait<'_> {
         match self {
             StationWait::RivalCoordinators { followed, other } => {
                 format!("one coordinator: two are active (boot ids {followed} and {other}); stop one of them")
+            }
+            StationWait::OneConsole => {
+                "one console at its panel: two consoles send a button of it; release it at both, then hold it at one"
+                    .to_owned()
             }
             StationWait::Devices => DEVICES_INVALID.to_owned(),
             StationWait::PositionLost(detail) => detail.to_owned(),
