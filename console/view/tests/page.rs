@@ -186,7 +186,8 @@ fn a_title_stands_beside_the_name() {
     bench.line.stations[1].title = "Clamp 1".to_owned();
     bench.retitled();
     let page = bench.page(0);
-    let [name, label] = [bench.line.stations[0].name.clone(), format!("{} (Transfer bar)", bench.line.stations[0].name)];
+    let [name, label] =
+        [bench.line.stations[0].name.clone(), format!("{} (Transfer bar)", bench.line.stations[0].name)];
     assert_eq!((&page.stations[0].name, &page.stations[0].label), (&name, &label));
     assert_eq!((&page.lanes[0].station, &page.lanes[0].label), (&name, &label));
     assert!(page.alarms.iter().any(|alarm| alarm.source == label), "{:?}", page.alarms);
