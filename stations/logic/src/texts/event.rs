@@ -21,8 +21,8 @@ impl StationHappening {
             HappeningKind::Stopped(op, block, cause) => {
                 format!("stopped {}{}: {}", undoing(block), name(op), cause.text_of(line, station, op, block))
             }
-            HappeningKind::Withdrawn(0) => "took nothing back".to_owned(),
-            HappeningKind::Withdrawn(ops) => format!("no longer has as done: {}", op_names(line, station, ops)),
+            HappeningKind::Withdrawn(0) => "takes nothing back".to_owned(),
+            HappeningKind::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),
             HappeningKind::HomeAgain if line.station(station).is_task_driven() => {
                 "returned to the rest where the task began".to_owned()
             }
