@@ -19,7 +19,7 @@ use futures::future::LocalBoxFuture;
 use linewright_console_view::{
     NextStep, ReasonsByResource, SELECTOR_AT_MANUAL, coordinator_not_received, refusal, station_not_received,
 };
-use linewright_line::{Line, StationId};
+use linewright_line::{Line, Station, StationId};
 use linewright_msgs::{CellState, LineState, StationEvent, StationState};
 use linewright_node_shell::RosArgs;
 use miette::IntoDiagnostic;
@@ -234,7 +234,8 @@ impl WatchState {
             client.station(id).map(|state| self.next.as_ref().map_or(Cow::Borrowed(state), |of| of.shown(id, state)))
         };
         let known: Vec<Option<Cow<'_, StationState>>> = self.line.station_ids().map(shown).collect();
-        let stations = self.line.stations.iter().zip(&known).map(|(of, state)| (of.name.as_str(), state.as_deref()));
+        let labels = labels(&self.line, width);
+        let stations = labels.iter().zip(&known).map(|(label, state)| (label.as_str(), state.as_deref()));
         let mut states = mode(&self.line.title, client.coordinator(), client.coordinator_unheard_for(), width);
         let next = self.next.iter().flat_map(|next| wrapped(&next.line(), 4, width));
         // Above the empty line.
@@ -250,7 +251,7 @@ impl WatchState {
             None => {
                 let unheard = self.line.station_ids().map(|id| client.unheard_for(id));
                 states.extend(
-                    stations.zip(unheard).flat_map(|((name, state), unheard)| station(name, state, unheard, width)),
+                    stations.zip(unheard).flat_map(|((label, state), unheard)| station(label, state, unheard, width)),
                 );
             }
         }
@@ -299,10 +300,19 @@ pub fn mode(title: &str, line: Option<&LineState>, unheard: Option<Duration>, wi
     lines
 }
 
+/// What each station is called in a picture so wide: its name, which commands need, with its title where that takes no more
+/// than a third of the width. All are padded to one width.
+fn labels(line: &Line, width: usize) -> Vec<String> {
+    let label = |of: &Station| Some(of.label()).filter(|label| label.chars().count() * 3 <= width);
+    let labels: Vec<String> = line.stations.iter().map(|of| label(of).unwrap_or_else(|| of.name.clone())).collect();
+    let widest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0).max(12);
+    labels.into_iter().map(|label| format!("{label:widest$}")).collect()
+}
+
 /// A station with its fault and what it waits for.
-pub fn station(name: &str, state: Option<&StationState>, unheard: Option<Duration>, width: usize) -> Vec<String> {
-    let Some(state) = state else { return vec![format!("{name:12} {}", station_not_received(unheard))] };
-    let mut lines = wrapped(&format!("{name:12} cycle {:<4} {}", state.cycle, state.operation), 15, width);
+pub fn station(label: &str, state: Option<&StationState>, unheard: Option<Duration>, width: usize) -> Vec<String> {
+    let Some(state) = state else { return vec![format!("{label:12} {}", station_not_received(unheard))] };
+    let mut lines = wrapped(&format!("{label:12} cycle {:<4} {}", state.cycle, state.operation), 15, width);
     if state.selector_manual {
         lines.push(format!("{:12} {SELECTOR_AT_MANUAL}", ""));
     }
@@ -411,6 +421,26 @@ mod tests {
         for part in [reason, &clamp.fault, "mode: e-stop, not reset; give reset, then manual"] {
             assert!(whole.contains(part), "{part}: {lines:#?}");
         }
+    }
+
+    /// Commands need the name, so that is never left out.
+    #[test]
+    fn a_title_stands_beside_the_name_where_there_is_room() {
+        let text = linewright_line::TransferLine::default().text();
+        let mut line = linewright_line::parse("line.toml", &text).expect("parses").line;
+        for (station, title) in
+            line.stations.iter_mut().zip(["Transfer bar", "Clamp 1", "Milling unit of the right side"])
+        {
+            station.title = title.to_owned();
+        }
+        let names = |width| labels(&line, width).iter().map(|label| label.trim_end().to_owned()).collect::<Vec<_>>();
+        let [bar, mill] = ["transfer (Transfer bar)", "mill_1 (Milling unit of the right side)"];
+        assert_eq!(names(60), ["transfer", "clamp_1", "mill_1"]);
+        assert_eq!(names(80), [bar, "clamp_1", "mill_1"], "what says no more than the name is no title");
+        assert_eq!(names(120), [bar, "clamp_1", mill]);
+        let wide = labels(&line, 120);
+        assert!(wide.iter().all(|label| label.chars().count() == mill.len()), "{wide:?}");
+        assert_eq!(station(&wide[0], None, None, 120), [format!("{bar:w$} no state received", w = mill.len())]);
     }
 
     #[test]

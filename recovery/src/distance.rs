@@ -1,6 +1,6 @@
 //! A lower bound: how many presses a station needs by itself, whatever the others do.
 //!
-//! Its own controller is played, without arrows and without measured positions, and with all inputs on that see other stations: each
+//! Its own controller is played, without arrows and without measured positions, and with all inputs on that see stations: each
 //! of them only blocks. So no way in the line is shorter, and where nothing blocks it is as short.
 
 use std::cell::RefCell;
@@ -41,7 +41,7 @@ struct KnownDistances {
 /// The distances of the stations that were asked for.
 pub(crate) struct Distances<'l> {
     line: &'l Line,
-    /// By station: inputs that see other stations.
+    /// By station: inputs that see axes.
     seen: Vec<u128>,
     known: RefCell<BTreeMap<usize, KnownDistances>>,
 }

@@ -139,7 +139,8 @@ pub(crate) fn end_task(station: &Station, report: &mut StationReport) {
     (report.at_home, report.stopped, report.position_lost) = (true, true, None);
 }
 
-/// An input that is on while axes of other stations stand at their switches, as far as switches show it.
+/// An input that is on while axes stand at their switches, as far as switches show it: those of other stations, or of its own, as that of
+/// its hand.
 pub(crate) struct SeenAxes {
     /// Station of the input.
     pub reader: StationId,
@@ -165,8 +166,7 @@ impl SeenAxes {
         let seen = |sensor: &Sensor| {
             let stands = sensor.when.iter().filter_map(stand);
             let when: Vec<(StationId, u128)> = stands.map(|stand| switch(&stand)).collect::<Option<_>>()?;
-            let is_seen = when.iter().any(|(station, _)| *station != sensor.station);
-            is_seen.then(|| SeenAxes { reader: sensor.station, input: sensor.input.bit(), when })
+            (!when.is_empty()).then(|| SeenAxes { reader: sensor.station, input: sensor.input.bit(), when })
         };
         line.handling.sensors.iter().filter_map(seen).collect()
     }

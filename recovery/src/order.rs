@@ -28,6 +28,7 @@ pub(crate) fn pairs(line: &Line, tasks: &[(StationId, TaskId)]) -> Option<Vec<Or
     let is_seen = |station: StationId, input: InputId| {
         line.handling.sensors.iter().any(|sensor| (sensor.station, sensor.input) == (station, input))
     };
+    // A result is there when its motion has ended, whatever sees it.
     let waits_unseen = |of: &ChartedOp| line.operation(of.op).waits.iter().any(|&input| !is_seen(of.op.0, input));
     // What starts by such an input is too early in the chart, and so is all that follows from it.
     if tasks.len() > 1 && done.iter().any(waits_unseen) {
@@ -114,10 +115,10 @@ impl<'l> Chart<'l> {
     fn awaited(&self, at: usize) -> Vec<Stand> {
         let ChartedTask { station, ref steps, .. } = self.tasks[at];
         let ops = &self.line.station(station).steps[steps.start];
-        let inputs = ops.iter().flat_map(|&op| &self.line.operation((station, op)).waits);
+        let inputs = ops.iter().flat_map(|&op| self.line.station(station).awaited_by(op));
         let flow = &self.line.handling;
         let seen = inputs
-            .filter_map(|&input| flow.sensors.iter().find(|sensor| (sensor.station, sensor.input) == (station, input)));
+            .filter_map(|input| flow.sensors.iter().find(|sensor| (sensor.station, sensor.input) == (station, input)));
         let stand = |sign: &Sign| match sign {
             Sign::Stands(stand) => Some(*stand),
             // A part in a hand: while it is closed. Of a nest no axis shows whether there is one.

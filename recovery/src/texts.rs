@@ -281,7 +281,7 @@ impl OwnReason {
                 format!("{name} is on its recovery path, and stands at the end of it: this press ends the path")
             }
             OwnReason::BetweenRests => format!("{name} stands between two rests"),
-            OwnReason::Away => format!("{name} is not at home, where counts begin anew"),
+            OwnReason::Away => format!("{name} is not at home, where all begin anew"),
         }
     }
 }

@@ -31,6 +31,9 @@ fn stopped(line: &Line, id: StationId) -> StationReport {
         snapshot.marking = step.iter().map(|&op| StationPlace::incomplete(op)).collect();
     }
     let bits = snapshot.marking.iter().fold(0, |bits, &place| bits | station.rest_inputs(place));
+    // What it has grasped is still in its hand.
+    let results = station.operations.iter().filter_map(|op| op.result);
+    let bits = results.fold(bits, |bits, result| bits | result.input.bit());
     let mut controller = Controller::new(line, id, 7, Restore::From(snapshot)).expect("its own");
     let (now, until, under) = (Tick::from_millis(1), Tick::NEVER, NO_DELAY);
     controller.handle(now, StationInput::Inputs { bits, valid: true, until, under });

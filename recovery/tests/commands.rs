@@ -27,7 +27,7 @@ impl WrongRest {
         let wanted = line.station(station).rest_named("open").expect("it is one");
         let mut sim = switched_on(&line, 1);
         let steps = line.station(station).steps.iter().flatten();
-        let waits: Vec<_> = steps.flat_map(|op| line.operation((station, *op)).waits.clone()).collect();
+        let waits: Vec<_> = steps.flat_map(|&op| line.station(station).awaited_by(op)).collect();
         let force = |sim: &mut LineSim, on| {
             for &input in &waits {
                 sim.act(OperatorAction::Force(Some(station), input, on)).expect("it is done");

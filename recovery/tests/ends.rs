@@ -44,7 +44,7 @@ impl Transfer {
         for &(id, task) in &tasks {
             let station = line.station(id);
             let steps = station.steps[station.task(task).steps.clone()].iter().flatten();
-            let waits: Vec<_> = steps.flat_map(|op| station.operations[op.index()].waits.clone()).collect();
+            let waits: Vec<_> = steps.flat_map(|&op| station.awaited_by(op)).collect();
             for input in waits {
                 sim.act(OperatorAction::Force(Some(id), input, Some(true))).expect("it is done");
             }

@@ -110,9 +110,9 @@ impl<'l> Transfer<'l> {
                     next[at] = (done + 1, false);
                 } else if done < self.steps(at) {
                     let (id, _) = self.tasks[at];
-                    let operation = self.line.operation((id, self.op(at, done)));
+                    let mut awaited = self.line.station(id).awaited_by(self.op(at, done));
                     let on = self.seen(&self.positions(moment), id);
-                    if operation.waits.iter().any(|input| on & input.bit() == 0) {
+                    if awaited.any(|input| on & input.bit() == 0) {
                         continue;
                     }
                     next[at] = (done, true);
@@ -308,7 +308,10 @@ fn where_no_station_waits_the_order_is_that_of_the_chart_by_time() {
         assert!(led.text(&line).contains("does not tell the order"), "{}", led.text(&line));
     }
     let operations = line.stations.iter_mut().flat_map(|station| &mut station.operations);
-    operations.for_each(|operation| operation.waits.clear());
+    operations.for_each(|operation| {
+        operation.waits.clear();
+        operation.result = None;
+    });
     let (led, texts) = list(&line);
     let at = |name: &str| texts.iter().position(|text| text.contains(&format!("`{name}` is undone")));
     assert_eq!((led.order, led.end), (LedOrder::Kept, Some(ActivityEnd::TakenBack)), "{texts:#?}");

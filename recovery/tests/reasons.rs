@@ -32,7 +32,7 @@ fn a_station_that_is_in_the_way_is_moved_for_the_one_that_is_refused() {
         reasons(&sim),
         [
             "mill_1: hold return until `rapid advance positioning slide` is undone: positioning_slide to 0, LS_positioning_0 on, 0.3 s \
-             (mill_1 is not at home, where counts begin anew; otherwise clamp_1 is refused `return clamp`)",
+             (mill_1 is not at home, where all begin anew; otherwise clamp_1 is refused `return clamp`)",
             "clamp_1: hold advance until `return clamp` is done: stroke to 0, LS_open on, 0.2 s (`return clamp` of clamp_1 is incomplete)",
         ]
     );

@@ -297,9 +297,9 @@ fn every_resource_that_works_has_a_nest_in_the_line() {
     }
 }
 
-/// Seed 001, §6 (L227-229): the robot comes to the machine without the part, so that the clamp is never closed; the
-/// watchdog fires, both are led to a secure state, an alarm is raised, the operator puts the part right and answers it, the
-/// marking from before is restored, and the loading is done again.
+/// Seed 001, §6 (L227-229): the robot has no part, both stations are led to a secure state, an alarm is raised, the operator puts
+/// the part right and answers it, the marking from before is restored, and the loading is done again. The sensor in the hand
+/// shows it at once: the robot has not been at the machine.
 #[test]
 fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     let of = shipped("workcell-c1", &[1, 0]);
@@ -308,7 +308,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     let robot = of.line.station_named("robot").expect("there");
     grasps(&of, &mut sim, Some(MotionFault::Miss));
 
-    // It has come to rest when the robot's 24 s are over, and what was loaded is where it was.
+    // It has come to rest when it has gone back from the store, and what was loaded is where it was.
     sim.run(&mut dispatcher, LONG);
     let started = sim.log.iter().find_map(|record| match &record.fact {
         RecordKind::Started { mode, .. } if of.table.mode_name(*mode).starts_with("load ") => Some((record.at, *mode)),
@@ -320,12 +320,13 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
         (alarm.id, alarm.text.clone(), alarm.since)
     };
     let machine = of.table.handling().resource_name(of.table.handling().mode(mode).to.expect("a machine")).to_owned();
-    let expected = format!("R came to {machine} without part 1. Put the part back into slot 1 of ST.");
-    assert!(text.starts_with(&expected), "{text}");
+    let expected = "R grasped no part at slot 1 of ST. Put part 1 into that slot; if it lies there, look at the sensor in the hand. (";
+    assert!(text.starts_with(expected), "{text}");
+    assert!(text.contains(": robot: awaited input not on in time (code 24): part_in_hand, after "), "{text}");
     let station = machine.to_lowercase();
     assert!(text.ends_with(&format!("robot: at rest, {station}: at rest)")), "{text}");
     let waited = since.since(started);
-    assert!((Duration::from_secs(24)..Duration::from_secs(40)).contains(&waited), "{waited:?}");
+    assert!((Duration::from_secs(4)..Duration::from_secs(10)).contains(&waited), "{waited:?}");
     for station in [robot, of.line.station_named(&station).expect("there")] {
         let order = sim.floor.as_ref().expect("real").controller(station).report().order.expect("it is task-driven");
         assert_eq!((order.slot, order.rest.is_some()), (None, true), "secured");
@@ -351,6 +352,20 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
         ["started", "raised", "secured", "secured", "alarmed", "answered", "restored", "started"],
         "and then it is loaded again"
     );
+}
+
+/// As the source tells it: the robot comes to the machine without the part, so that the clamp is never closed, and the watchdog
+/// fires. The sensor in the hand has seen the part before it fell.
+#[test]
+fn a_part_that_falls_on_its_way_is_missed_at_the_machine() {
+    let of = shipped("workcell-c1", &[1, 0]);
+    let mut sim = of.sim(options(1, 0, Vec::new()), 0.0);
+    let mut dispatcher = dispatcher(&of.cell, &of.table);
+    grasps(&of, &mut sim, Some(MotionFault::Drop));
+    sim.run(&mut dispatcher, LONG);
+    let alarm = sim.state().exceptions().alarms().next().expect("somebody is told");
+    assert!(alarm.text.starts_with("R came to M") && alarm.text.contains(" without part 1. "), "{}", alarm.text);
+    assert!(alarm.since >= Tick::from_millis(24_000), "{:?}", alarm.since);
 }
 
 /// Kind of a record of exceptions or of the starts of one mode.

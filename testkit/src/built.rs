@@ -82,6 +82,7 @@ pub fn station(name: &str, home: usize, ops: &[Op], first_button: u16, share: bo
                 normal: signals(false),
                 waits: Vec::new(),
                 waits_code: 0,
+                result: None,
                 hand: hands[n],
             }
         })

@@ -80,6 +80,7 @@ fn operation(name: &str, from: f64, to: f64) -> Operation {
         normal: signals(forward),
         waits: Vec::new(),
         waits_code: 0,
+        result: None,
         hand: HandMode::Sequence { forward: ButtonId(0) },
     }
 }

@@ -20,7 +20,7 @@ use crate::load;
 /// Confirm where a station stands.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A station that started without its journal does not move. Check the machine first: this sets its marking from its limit switches. Between two switches, name the operation it was stopped in. A task-driven station that stands at another rest than its journal says is confirmed in the same way. Within a task its parameters are lost with the journal, and are confirmed with the place: --with slot=2. A number that was given wrongly is given again; those of an order are not replaced. Then lead all stations home in manual and give auto."
+    after_help = "A station that started without its journal does not move. Check the machine first: this sets its place from its limit switches. Between two switches, name the operation it was stopped in. A task-driven station that stands at another rest than its journal says is confirmed in the same way. Within a task its parameters are lost with the journal, and are confirmed with the place: --with slot=2. A number that was given wrongly is given again; those of an order are not replaced. Then lead all stations home in manual and give auto."
 )]
 pub struct RejoinArgs {
     /// The line's directory, or its description file.

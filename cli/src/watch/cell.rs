@@ -38,7 +38,7 @@ pub fn picture<'s>(
     add("alarms:".to_owned(), cell.alarms.as_slice().iter().map(|of| entry(alarm(of), 4)).collect());
     let down = cell.down.as_slice().iter().map(|name| entry(left_out(cell, name, out.get(name)), 4));
     add("out of service:".to_owned(), down.collect());
-    add("stations:".to_owned(), stations.map(|(name, state)| station(name, state, is_line_stopped, width)).collect());
+    add("stations:".to_owned(), stations.map(|(label, state)| station(label, state, is_line_stopped, width)).collect());
     add("in progress:".to_owned(), cell.activities.as_slice().iter().map(|of| entry(activity(of, now), 4)).collect());
     let starts = if cell.starting { "" } else { "; nothing starts" };
     let parts = format!("parts: {} inside, {} have left{starts}", cell.parts_inside, cell.parts_left);
@@ -77,10 +77,10 @@ fn alarm(of: &AlarmState) -> String {
     format!("{}: {} Answers: {}", of.id, of.text, answers(of))
 }
 
-fn station(name: &str, state: Option<&StationState>, is_line_stopped: bool, width: usize) -> Vec<String> {
-    let name = format!("  {name:12}");
-    let Some(state) = state else { return wrapped(&format!("{name} no state received"), 15, width) };
-    let mut lines = wrapped(&format!("{name} {}", state.operation), 15, width);
+fn station(label: &str, state: Option<&StationState>, is_line_stopped: bool, width: usize) -> Vec<String> {
+    let label = format!("  {label:12}");
+    let Some(state) = state else { return wrapped(&format!("{label} no state received"), 15, width) };
+    let mut lines = wrapped(&format!("{label} {}", state.operation), 15, width);
     let mut add = |text: String| lines.extend(wrapped(&format!("{:14} {text}", ""), 15, width));
     if !state.fault.is_empty() {
         add(format!("FAULT {}", state.fault));

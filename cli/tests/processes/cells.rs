@@ -23,9 +23,10 @@ use crate::support::wait_for;
 
 pub const LONG: Duration = Duration::from_secs(90);
 
-/// What can be answered when the robot came to machine 1 without the part.
-const ANSWERS: &str = "Answers: in-store (once more, part at ST; not measured: look at ST), scrap (part gone; not measured: look at ST), \
-    in-machine (done, part at M1; contradicts the sensors: M1: part expected, sensor off)";
+/// What can be answered when the robot has grasped nothing, and when it came to machine 1 without the part.
+const ANSWERS: &str =
+    "Answers: in-store (once more, part at ST; not measured: look at ST), scrap (part gone; not measured: look at ST)";
+const IN_MACHINE: &str = ", in-machine (done, part at M1; contradicts the sensors: M1: part expected, sensor off)";
 
 /// A shipped cell, so many times as fast.
 pub fn cell(name: &str, times: f64) -> Rig {
@@ -54,8 +55,9 @@ fn is_made(said: &str, name: &str) -> bool {
     said.lines().any(|line| line.contains(&format!(" {name} ")) && line.contains("1 of 1 "))
 }
 
-/// Seed 001, §6 (L227-229): the robot comes to the machine without the part, the watchdog fires, the resources are secured, the
-/// alarm is answered after the part was put back, the marking is restored, and the part is loaded again.
+/// The robot grasps nothing, which the sensor in its hand shows: the alarm is answered after the part was put back, the marking is
+/// restored, and the part is loaded again. Seed 001, §6 (L227-229): the robot comes to the machine without the part, the watchdog
+/// fires, and the resources are secured.
 #[test]
 fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back_and_one_that_fell_is_lost() {
     let mut rig = cell("workcell-c1", 8.0);
@@ -67,16 +69,24 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back_and_one_that_fell
 
     let alarm = until(&rig, &["answer"], |said| said.contains("alarm 1:"));
     // The production order has the number of the run in its name.
-    for part in ["R came to M1 without part 1 (order A of run ", ", 1 of 1). Put the part back into slot 1 of ST."] {
+    for part in [
+        "R grasped no part at slot 1 of ST. Put part 1 (order A of run ",
+        ", 1 of 1) into that slot; if it lies there, look",
+    ] {
         assert!(alarm.contains(part), "{part}: {alarm}");
     }
-    assert!(alarm.contains(ANSWERS), "{alarm}");
+    assert!(alarm.contains("(code 24): part_in_hand, after "), "{alarm}");
+    assert!(alarm.contains(ANSWERS) && !alarm.contains("in-machine"), "{alarm}");
+    assert_eq!(rig.eye.seen().arrivals("robot", "carry to m1"), 0, "it has not left the store with an empty hand");
     let why = rig.said(&["why"], &["part", "1"]).expect("it is known");
     assert!(why.contains("waits for an answer to alarm 1"), "{why}");
     let why = rig.said(&["why"], &["R"]).expect("a resource is known");
-    for part in
-        ["R in service.", "It takes part in `load M1` with part 1, which has failed", "alarm 1: R came to", "\nrobot "]
-    {
+    for part in [
+        "R in service.",
+        "It takes part in `load M1` with part 1, which has failed",
+        "alarm 1: R grasped no part",
+        "\nrobot ",
+    ] {
         assert!(why.contains(part), "{part}: {why}");
     }
     // The station of one resource: of that as well.
@@ -93,7 +103,8 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back_and_one_that_fell
     let gripper = |what| rig.said(&["fail"], &["robot", what, "--operation", "grasp for m1", "--bus", BUS]);
     gripper("drop").expect("the gripper can be made to drop");
     rig.said(&["answer"], &["1", "in-store"]).expect("it is believed");
-    until(&rig, &["answer"], |said| said.contains("alarm 2:"));
+    let alarm = until(&rig, &["answer"], |said| said.contains("alarm 2:"));
+    assert!(alarm.contains("R came to M1 without part 1") && alarm.contains(IN_MACHINE), "{alarm}");
     let fell =
         "simulated machine: a part has fallen down and is gone: gripper `robot.hand` did not hold it fast (arm at ";
     assert_eq!(rig.run_notes().matches(fell).count(), 1, "{}", rig.run_notes());
@@ -145,7 +156,7 @@ fn is_watched(rig: &Rig) {
     let picture = rig.said(&["watch"], &["--once"]).expect("a picture");
     let whole = picture.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in [
-        "alarms: 1: R came to M1 without part 1 (order A of run ",
+        "alarms: 1: R grasped no part at slot 1 of ST. Put part 1 (order A of run ",
         ANSWERS,
         "of part 1 for",
         "failed, waits for an answer to alarm 1",

@@ -107,8 +107,7 @@ fn a_station_whose_journal_is_gone(rig: &Rig, operator: &Operator) {
     nothing_starts(rig, operator);
     assert!(!rig.eye.seen().starts()[started..].iter().any(|start| start.what.starts_with("clamp_1")));
     let refusal = operator.refused("auto");
-    let way_back =
-        "clamp_1: no generation in common with the other stations; lead all stations home in manual, then give auto";
+    let way_back = "clamp_1: no memory of the cycle; lead all stations home in manual, then give auto";
     assert!(refusal.contains(way_back), "{refusal}");
     let said = rig.said(&["rejoin"], &["clamp_1"]).expect("its switches tell where it stands");
     assert!(said.contains("advance clamp"), "{said}");

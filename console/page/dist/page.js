@@ -183,7 +183,7 @@ function Legend(){let all=Object.keys(kinds);return a4("p",{class:"legend","aria
 "section",{children:[a4("svg",{class:"defs","aria-hidden":"true",children:a4("defs",{children:a4("pattern",{id:"hatch",width:"8",height:"8",patternUnits:"userSp\
 aceOnUse",patternTransform:"rotate(45)",children:[a4("rect",{class:"hatch-ground",width:"8",height:"8"}),a4("rect",{class:"hatch-line",width:"3",height:"8"})]})})}),
 a4("fieldset",{class:"choice",children:[a4("legend",{children:t4.window}),WINDOWS_S.map(seconds=>a4("button",{"aria-pressed":window_s.value===seconds,onClick:()=>window_s.
-value=seconds,children:t4.seconds(seconds)},seconds))]}),a4(Legend,{}),shown2.page.lanes.map(of=>a4("table",{class:"lanes",children:[a4("caption",{children:of.station}),
+value=seconds,children:t4.seconds(seconds)},seconds))]}),a4(Legend,{}),shown2.page.lanes.map(of=>a4("table",{class:"lanes",children:[a4("caption",{children:of.label}),
 a4("tbody",{children:of.lanes.map((lane,at2)=>a4(LaneRow,{lane,shown:shown2},at2))}),a4("tfoot",{children:a4("tr",{children:[a4("td",{colSpan:2}),a4("td",{class:"\
 axis",children:[a4("span",{children:t4.ago(window_s.value)}),a4("span",{children:lost_for.value===null?t4.now:t4.last_frame})]})]})})]},of.station))]})}var BEAT_MS=100,STALLED_MS=250,last=0,hold=null,held=y3(null),ended=y3(null);function is_inside(of){if(!of.element.isConnected||of.element.dataset.key!==of.key)
 return!1;if(of.pointer===null)return document.activeElement===of.element;let at2=document.elementFromPoint(of.pointer.x,of.pointer.y);return at2!==null&&of.element.
@@ -264,8 +264,8 @@ is-unknown",children:mode.text}),mode.is_enabled===!1&&a4(Named,{head:t4.not_all
 a4(Named,{head:t4.left_out,of:mode.left_out}),a4(Named,{head:t4.restarted,of:mode.restarted}),mode.is_known&&!page.is_cell&&a4("p",{children:[t4.cycle,": ",a4("\
 span",{class:"value",children:mode.cycle?`${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})`:t4.no_cycle})]}),page.next&&a4("p",{class:"next",children:[
 t4.next,": ",a4("span",{class:"value",children:page.next})," (",t4.all_steps,")"]})]})}function StationCard({station}){return a4("li",{class:`card ${station.health}`,
-children:[a4("h3",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null?a4("p",{class:"value",children:station.unknown}):a4($,
-{children:[a4("p",{class:station.moves?"value moves":"value",children:station.operation}),a4("p",{children:[t4.mode,": ",a4("span",{class:"value",children:station.
+children:[a4("h3",{children:[station.label," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null?a4("p",{class:"value",children:station.unknown}):a4(
+$,{children:[a4("p",{class:station.moves?"value moves":"value",children:station.operation}),a4("p",{children:[t4.mode,": ",a4("span",{class:"value",children:station.
 mode})," · ",t4.count,": ",a4("span",{class:"value",children:station.cycle})]}),station.notes.map((note,at2)=>a4("p",{class:"value",children:note},at2)),station.
 fault&&a4("p",{class:"value fault-text",children:station.fault})]})]})}function Overview({page}){let open=page.cell?.orders.filter(order=>!order.is_over)??[];return a4(
 $,{children:[a4(ModeBlock,{page}),page.other_descriptions.length>0&&a4(List,{of:page.other_descriptions}),a4("ul",{class:"cards",children:page.stations.map(station=>a4(
@@ -289,7 +289,7 @@ a4("span",{class:"value",children:["; ",t4.nothing_starts]})]}),a4("table",{clas
 at2))},part.part))})]})]}),a4("section",{children:[a4("h2",{children:[t4.orders,": ",a4("span",{class:"value",children:t4.open(cell.orders_open)})]}),a4(Orders,
 {orders:cell.orders})]}),a4("section",{children:[a4("h2",{children:t4.out_of_service}),cell.out_of_service.length===0?a4("p",{class:"value",children:t4.none}):a4(
 List,{of:cell.out_of_service.map(of=>of.text)})]})]})}function Waiting({page}){return a4($,{children:[a4(ModeBlock,{page}),page.stations.map(station=>a4("sectio\
-n",{children:[a4("h2",{children:[station.name," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null&&a4("p",{class:"value is-unknown",children:station.
+n",{children:[a4("h2",{children:[station.label," ",a4(HealthSign,{of:station.health})]}),station.unknown!==null&&a4("p",{class:"value is-unknown",children:station.
 unknown}),station.fault&&a4("p",{class:"value fault-text",children:station.fault}),station.unknown===null&&station.waits_for.length===0&&a4("p",{class:"value",children:t4.
 waits_for_nothing}),station.waits_for.length>0&&a4("p",{children:[t4.waits_for,":"]}),a4(List,{of:station.waits_for})]},station.name))]})}var names=["overview","operate","chart","alarms","cell","waiting"],here=()=>names.find(name2=>`#${name2}`===location.hash)??"overview",at=y3(here());addEventListener(
 "hashchange",()=>at.value=here());function Banner({page}){let first=page.alarms[0];return first===void 0?a4("p",{class:"banner none value",children:t4.alarms_none}):

@@ -72,7 +72,7 @@ export function Chart({ shown }: { shown: Shown }) {
       <Legend />
       {shown.page.lanes.map((of) => (
         <table class="lanes" key={of.station}>
-          <caption>{of.station}</caption>
+          <caption>{of.label}</caption>
           <tbody>
             {of.lanes.map((lane, at) => (
               <LaneRow lane={lane} shown={shown} key={at} />

@@ -16,6 +16,7 @@ export interface Lane {
 
 export interface StationLanes {
   station: string;
+  label: string;
   lanes: Lane[];
 }
 
@@ -23,6 +24,7 @@ export type Health = "unknown" | "emergency_stop" | "fault" | "left_out" | "not_
 
 export interface Station {
   name: string;
+  label: string;
   health: Health;
   unknown: string | null;
   mode: string | null;

@@ -32,7 +32,7 @@ function StationCard({ station }: { station: Station }) {
   return (
     <li class={`card ${station.health}`}>
       <h3>
-        {station.name} <HealthSign of={station.health} />
+        {station.label} <HealthSign of={station.health} />
       </h3>
       {station.unknown !== null ? (
         <p class="value">{station.unknown}</p>
@@ -198,7 +198,7 @@ export function Waiting({ page }: { page: Page }) {
       {page.stations.map((station) => (
         <section key={station.name}>
           <h2>
-            {station.name} <HealthSign of={station.health} />
+            {station.label} <HealthSign of={station.health} />
           </h2>
           {station.unknown !== null && <p class="value is-unknown">{station.unknown}</p>}
           {station.fault && <p class="value fault-text">{station.fault}</p>}

@@ -29,7 +29,7 @@ pub enum AlarmPriority {
 pub struct AlarmPart {
     /// Tells it from every other alarm of the page.
     pub key: String,
-    /// `line`, `cell` or the name of a station.
+    /// `line`, `cell` or a station, by name and title.
     pub source: String,
     /// 1 to 3.
     pub priority: u8,

@@ -19,6 +19,8 @@ pub const STRETCHES_MAX: usize = 100;
 #[derive(Debug, Serialize)]
 pub struct StationLanes {
     pub station: String,
+    /// Name and title, as people read them.
+    pub label: String,
     /// In the order of the description.
     pub lanes: Vec<LaneRow>,
 }
@@ -155,6 +157,7 @@ impl LaneRecorder {
         self.rows.iter_mut().flatten().for_each(|row| row.forget_before(begin));
         let of = |(station, lanes): (&linewright_line::Station, &Vec<LaneRow>)| StationLanes {
             station: station.name.clone(),
+            label: station.label(),
             lanes: lanes.clone(),
         };
         line.stations.iter().zip(&self.rows).map(of).collect()

@@ -91,10 +91,13 @@ pub enum StationHealth {
     Ok,
 }
 
-/// A station. While it is unknown all but its name, `health` and `unknown` is empty.
+/// A station. While it is unknown all but its name, `label`, `health` and `unknown` is empty.
 #[derive(Debug, Serialize)]
 pub struct StationPart {
+    /// As commands need it.
     pub name: String,
+    /// Name and title, as people read them.
+    pub label: String,
     pub health: StationHealth,
     /// That its state is not received, and for how long.
     pub unknown: Option<String>,

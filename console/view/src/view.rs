@@ -186,10 +186,12 @@ impl ConsoleView {
         line: Option<&LineState>,
         next: Option<&NextStep>,
     ) -> StationPart {
-        let (name, limit) = (self.line.station(id).name.clone(), state_fresh(&self.line));
+        let (described, limit) = (self.line.station(id), state_fresh(&self.line));
+        let (name, label) = (described.name.clone(), described.label());
         let Some(state) = of.and_then(|of| of.fresh(limit)) else {
             return StationPart {
                 name,
+                label,
                 health: StationHealth::Unknown,
                 unknown: Some(station_not_received(of.and_then(|of| of.unheard_for(limit)))),
                 mode: None,
@@ -221,6 +223,7 @@ impl ConsoleView {
             if self.names.is_some() { bounds::texts(waits(&shown)) } else { bounds::texts(&*shown.blocked_by) };
         StationPart {
             name,
+            label,
             health,
             unknown: None,
             mode: Some((self.mode_name)(state.mode)),
@@ -240,9 +243,9 @@ fn of_nodes(of: &ConsoleInputs<'_>, stations: &[StationPart], cell_unknown: Opti
     if !of.other_descriptions.is_empty() {
         all.push(LineAlarm::new("line", "description", AlarmPriority::High, &of.other_descriptions.join("; ")));
     }
-    for StationPart { name, fault, unknown, .. } in stations {
-        all.extend(fault.as_ref().map(|text| LineAlarm::new(name, FAULT, AlarmPriority::High, text)));
-        all.extend(unknown.as_ref().map(|text| LineAlarm::new(name, NOT_RECEIVED, AlarmPriority::Medium, text)));
+    for StationPart { label, fault, unknown, .. } in stations {
+        all.extend(fault.as_ref().map(|text| LineAlarm::new(label, FAULT, AlarmPriority::High, text)));
+        all.extend(unknown.as_ref().map(|text| LineAlarm::new(label, NOT_RECEIVED, AlarmPriority::Medium, text)));
     }
     all.extend(cell_unknown.map(|text| LineAlarm::new("cell", NOT_RECEIVED, AlarmPriority::Medium, text)));
     all

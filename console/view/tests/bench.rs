@@ -25,15 +25,22 @@ pub struct ViewBench {
     pub cell: Option<(CellState, u64)>,
 }
 
+fn mode_name(code: u8) -> &'static str {
+    if code == StationState::MODE_AUTO { "auto" } else { "other" }
+}
+
 impl ViewBench {
     /// Nothing is received yet.
     pub fn new(is_cell: bool) -> Self {
         let text = linewright_line::TransferLine::default().text();
         let line = linewright_line::parse("line.toml", &text).expect("parses").line;
-        let view = ConsoleView::new(&line, is_cell.then(names), |code| {
-            if code == StationState::MODE_AUTO { "auto" } else { "other" }
-        });
+        let view = ConsoleView::new(&line, is_cell.then(names), mode_name);
         ViewBench { view, coordinator: None, stations: vec![None; line.stations.len()], cell: None, line }
+    }
+
+    /// Begins anew with the line as it is now.
+    pub fn retitled(&mut self) {
+        self.view = ConsoleView::new(&self.line, None, mode_name);
     }
 
     /// Everything is received at this time, in auto and at rest.

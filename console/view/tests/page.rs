@@ -177,3 +177,19 @@ fn an_emergency_stop_stands_above_newer_alarms_of_its_priority() {
     let texts: Vec<String> = bench.page(60).alarms.into_iter().map(|of| of.text).collect();
     assert_eq!(texts, ["emergency stop", "watchdog"]);
 }
+
+/// Commands need the name; a title that says more stands beside it, wherever the station is named.
+#[test]
+fn a_title_stands_beside_the_name() {
+    let mut bench = ViewBench::new(false);
+    bench.line.stations[0].title = "Transfer bar".to_owned();
+    bench.line.stations[1].title = "Clamp 1".to_owned();
+    bench.retitled();
+    let page = bench.page(0);
+    let [name, label] =
+        [bench.line.stations[0].name.clone(), format!("{} (Transfer bar)", bench.line.stations[0].name)];
+    assert_eq!((&page.stations[0].name, &page.stations[0].label), (&name, &label));
+    assert_eq!((&page.lanes[0].station, &page.lanes[0].label), (&name, &label));
+    assert!(page.alarms.iter().any(|alarm| alarm.source == label), "{:?}", page.alarms);
+    assert_eq!(page.stations[1].label, "clamp_1", "a title that says no more is none");
+}

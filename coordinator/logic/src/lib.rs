@@ -18,6 +18,6 @@ pub use coordinator::{
 };
 pub use decision::ModeCommand;
 pub use gateway::{AppliedImage, Gateway, OutputImage};
-pub use refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
+pub use refusal::{ApartCause, ModeRefusal, OperatorCommand, RefusedCommand};
 pub use resume::ResumeButton;
 pub use texts::{EStopButton, ModeText};

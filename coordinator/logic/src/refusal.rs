@@ -7,6 +7,20 @@ use linewright_line::{Line, OpId, StationId};
 
 use crate::decision::ModeCommand;
 
+/// Reason why the counts of a station cannot be compared with those of the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ApartCause {
+    /// It has no generation: its journal is lost, or there was none.
+    NoMemory,
+    /// Its generation is another one.
+    OtherStart,
+}
+
+impl ApartCause {
+    /// All causes, in the order of their texts.
+    pub const ALL: [ApartCause; 2] = [ApartCause::NoMemory, ApartCause::OtherStart];
+}
+
 /// Reason why a command is not obeyed now.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ModeRefusal {
@@ -39,10 +53,10 @@ pub enum ModeRefusal {
     Incomplete(StationId, Option<OpId>),
     /// A mechanism of a station is not measured where its chart has it.
     PositionLost(StationId),
-    /// A station has no memory of counts that the others share.
-    NoCommonStart(StationId),
-    /// The same, for manual at home: none can be founded now, and what is moved without one is not counted.
-    NotFounded(StationId),
+    /// A station's counts cannot be compared with the others'.
+    NoCommonStart(StationId, ApartCause),
+    /// The same, for manual at home: no generation can be founded now, and what is moved without one is not counted.
+    NotFounded(StationId, ApartCause),
     /// A station was restarted and has not been looked at since.
     Restarted(StationId),
     /// A station's selector stands at manual.

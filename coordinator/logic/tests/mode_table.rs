@@ -341,3 +341,37 @@ fn only_manual_leads_out_of_the_emergency_stop() {
     let out: Vec<_> = ARCS.iter().filter(|a| a.from == ControlMode::EStop).map(|a| a.to).collect();
     assert_eq!(out, [ControlMode::Manual]);
 }
+
+#[test]
+fn what_several_stations_lack_is_once_in_the_text_of_the_mode() {
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
+    bench.heard.iter_mut().for_each(|heard| heard.generation = 0);
+    bench.heard[1].at_home = false;
+    bench.beat();
+    let text = bench.coordinator.text();
+    assert_eq!(text.matches("no memory").count(), 1, "{text}");
+    let expected =
+        "transfer, clamp_1, mill_1: no memory of the cycle; lead all stations home in manual, then give auto";
+    assert!(text.contains(expected), "{text}");
+
+    // Two began anew together, and the third one apart from them.
+    for (heard, generation) in bench.heard.iter_mut().zip([5, 0, 5]) {
+        heard.generation = generation;
+    }
+    bench.beat();
+    assert!(
+        bench.coordinator.text().contains("; clamp_1: no memory of the cycle; lead"),
+        "{}",
+        bench.coordinator.text()
+    );
+    bench.heard[1].generation = 4;
+    bench.beat();
+    let apart = "clamp_1: began anew apart from the other stations; lead all stations home in manual, then give auto";
+    assert!(bench.coordinator.text().contains(apart), "{}", bench.coordinator.text());
+    bench.heard[0].generation = 0;
+    bench.heard[2].generation = 4;
+    bench.heard[1].generation = 3;
+    bench.beat();
+    let both = "transfer: no memory of the cycle, and clamp_1: began anew apart from the other stations; lead all";
+    assert!(bench.coordinator.text().contains(both), "{}", bench.coordinator.text());
+}

@@ -190,7 +190,7 @@ fn a_line_without_a_cell_has_one_mode() {
     let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
     bench.coordinator.permit_manual(|_| Some(LEFT_OUT));
     let refusal = bench.single(true).expect("not task-driven");
-    assert!(refusal.contains("in a cell only; arrows and counts"), "{refusal}");
+    assert!(refusal.contains("in a cell only; the stations of a line"), "{refusal}");
     assert_eq!((bench.mode(), bench.states()), (ControlMode::Auto, FOLLOWS));
 }
 

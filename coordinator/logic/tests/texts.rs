@@ -2,7 +2,7 @@
 //! compile.
 
 use linewright_coordinator_logic::{
-    EStopButton, EStopCause, ModeCommand, ModeRefusal, ModeText, OperatorCommand, RefusedCommand,
+    ApartCause, EStopButton, EStopCause, ModeCommand, ModeRefusal, ModeText, OperatorCommand, RefusedCommand,
 };
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, StationId};
@@ -30,8 +30,9 @@ fn reasons() -> Vec<ModeRefusal> {
         ModeRefusal::DevicesLost(_) => ModeRefusal::DevicesLost(station);
         ModeRefusal::Incomplete(..) => ModeRefusal::Incomplete(station, None);
         ModeRefusal::PositionLost(_) => ModeRefusal::PositionLost(station);
-        ModeRefusal::NoCommonStart(_) => ModeRefusal::NoCommonStart(station);
-        ModeRefusal::NotFounded(_) => ModeRefusal::NotFounded(station);
+        ModeRefusal::NoCommonStart(..) => ModeRefusal::NoCommonStart(station, ApartCause::NoMemory),
+            ModeRefusal::NoCommonStart(station, ApartCause::OtherStart);
+        ModeRefusal::NotFounded(..) => ModeRefusal::NotFounded(station, ApartCause::NoMemory);
         ModeRefusal::Restarted(_) => ModeRefusal::Restarted(station);
         ModeRefusal::SelectorManual(_) => ModeRefusal::SelectorManual(station);
         ModeRefusal::Moving(_) => ModeRefusal::Moving(station);
@@ -142,7 +143,7 @@ fn a_loss_is_refused_with_the_device_and_its_trouble_where_it_is_known() {
 #[test]
 fn what_several_stations_lack_is_said_once_and_the_one_away_is_named() {
     let line = transfer_line();
-    let apart = line.station_ids().map(ModeRefusal::NoCommonStart);
+    let apart = line.station_ids().map(|id| ModeRefusal::NoCommonStart(id, ApartCause::NoMemory));
     let reasons = apart.chain([ModeRefusal::NotAtHome(StationId(1))]).collect();
     let refusal =
         RefusedCommand { command: OperatorCommand::Mode(ModeCommand::Auto), mode: ControlMode::StandBy, reasons };

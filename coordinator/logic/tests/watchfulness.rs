@@ -409,19 +409,6 @@ fn why_auto_ended_by_itself_is_said_until_the_next_command() {
 }
 
 #[test]
-fn what_several_stations_lack_is_once_in_the_text_of_the_mode() {
-    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
-    bench.heard.iter_mut().for_each(|heard| heard.generation = 0);
-    bench.heard[1].at_home = false;
-    bench.beat();
-    let text = bench.coordinator.text();
-    assert_eq!(text.matches("no generation in common").count(), 1, "{text}");
-    let expected = "transfer, clamp_1, mill_1: no generation in common with the other stations; lead all stations home in \
-                    manual, then give auto";
-    assert!(text.contains(expected), "{text}");
-}
-
-#[test]
 fn the_cause_of_an_emergency_stop_is_kept_until_it_is_reset_and_no_older_one_is_shown() {
     use linewright_coordinator_logic::EStopCause;
     let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);

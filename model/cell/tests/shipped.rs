@@ -63,12 +63,13 @@ fn the_workcell_is_the_described_one() {
 /// activity.
 #[test]
 fn answers_leave_resources_out() {
-    let text = C1.replacen("retries = 2", "retries = 2\ndown = [\"M2\", \"carrier\"]", 1);
+    let text = C1.replace("retries = 2", "retries = 2\ndown = [\"M2\", \"carrier\"]");
     let text = text.replacen("then = \"forward\"", "then = \"forward\", down = [\"to\", \"M2\"]", 1);
     let cell = cell(&text);
     let m2 = LeftOut::Resource(linewright_cell::ResourceId::at(2));
     let carrier = LeftOut::As(Whereabouts::Carrier);
-    let down: Vec<_> = cell.exceptions[0].answers.iter().map(|answer| answer.down.clone()).collect();
+    let late = &cell.exceptions[2];
+    let down: Vec<_> = late.answers.iter().map(|answer| answer.down.clone()).collect();
     assert_eq!(down, [vec![m2, carrier], vec![LeftOut::As(Whereabouts::To), m2, carrier], vec![m2, carrier]]);
     let renamed = text.replace("\"R\"", "\"carrier\"").replace("\"R.", "\"carrier.");
     let down = &self::cell(&renamed).exceptions[0].answers[0].down;

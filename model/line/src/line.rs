@@ -176,8 +176,21 @@ pub struct Operation {
     pub waits: Vec<InputId>,
     /// The code of an order whose time runs out while it waits for them, from 1; 0 where the description gives none.
     pub waits_code: u16,
+    /// What must be on when the normal motion has completed, before the next operation starts; of task-driven stations.
+    pub result: Option<MotionResult>,
     /// Hand-mode type and its operator commands (seed 002 Figure 21, Table 3).
     pub hand: HandMode,
+}
+
+/// What a motion is to have brought about besides its limit switch, e.g. that there is a part in the hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MotionResult {
+    /// On where it has been brought about.
+    pub input: InputId,
+    /// Time from the end of the motion until the input has to be on.
+    pub within: Duration,
+    /// Code of an order that fails for it, from 1.
+    pub code: u16,
 }
 
 /// The motion of an operation along one axis, for the simulated plant: from where to where. From home to home is the index of
@@ -350,6 +363,15 @@ impl Station {
     /// The step an operation belongs to, as an index into [`Station::steps`].
     pub fn step_of(&self, op: OpId) -> usize {
         self.steps.iter().position(|step| step.contains(&op)).expect("every operation belongs to a step")
+    }
+
+    /// Name and title, for people: `mill_1 (Milling unit 1)`; the name alone where the title is none or says no more.
+    pub fn label(&self) -> String {
+        let plain = |text: &str| text.to_lowercase().replace('_', " ");
+        if plain(&self.title) == plain(&self.name) {
+            return self.name.clone();
+        }
+        format!("{} ({})", self.name, self.title)
     }
 
     /// Count of an operation when the station stands at home at the end of round `n` (the home operation done `n`

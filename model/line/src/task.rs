@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use linewright_text::index_id;
 
-use crate::{Conflict, Line, OpId, OutputId, Station};
+use crate::{Conflict, InputId, Line, MotionResult, OpId, OutputId, Station};
 
 index_id! {
     /// A task of one station, by its place in [`Station::tasks`].
@@ -131,6 +131,30 @@ impl Station {
     /// The operations of a task, in their order.
     pub fn operations_of(&self, task: TaskId) -> impl Iterator<Item = OpId> + '_ {
         self.steps[self.task(task).steps.clone()].iter().flatten().copied()
+    }
+
+    /// The result that must be there before a step starts: that of the operation before it in its task.
+    pub fn result_before(&self, step: usize) -> Option<(OpId, MotionResult)> {
+        let task = self.tasks.iter().find(|task| task.steps.contains(&step))?;
+        let before = step.checked_sub(1).filter(|before| task.steps.contains(before))?;
+        let op = *self.steps[before].first()?;
+        self.operations[op.index()].result.map(|result| (op, result))
+    }
+
+    /// All inputs that operations wait for before they start, with the results of those before them.
+    pub fn awaited_inputs(&self) -> impl Iterator<Item = InputId> + '_ {
+        self.operations.iter().flat_map(|op| op.waits.iter().copied().chain(op.result.map(|result| result.input)))
+    }
+
+    /// The inputs that must be on before an operation starts, with the result of the one before it in its task.
+    pub fn awaited_by(&self, op: OpId) -> impl Iterator<Item = InputId> + '_ {
+        let before = self.result_before(self.step_of(op)).map(|(_, result)| result.input);
+        self.operations[op.index()].waits.iter().copied().chain(before)
+    }
+
+    /// Whether an operation of a task waits for inputs before it starts.
+    pub fn waits_for_inputs(&self, task: TaskId) -> bool {
+        self.operations_of(task).any(|op| self.awaited_by(op).next().is_some())
     }
 
     /// The operation a task begins with.

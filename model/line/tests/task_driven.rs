@@ -122,3 +122,32 @@ fn a_hand_that_reaches_nothing_is_worth_a_warning() {
     let said: Vec<&str> = warnings.iter().map(|problem| problem.message.as_str()).collect();
     assert_eq!(said, ["`robot.other` reaches nothing"]);
 }
+
+#[test]
+fn a_hand_with_a_sensor_that_nothing_looks_at_is_worth_a_warning() {
+    let wired = |text: String| text.replacen("\"m1_closed\", \"S0\"", "\"m1_closed\", \"part_in_hand\", \"S0\"", 1);
+    let seen =
+        "[[sensor]]\nstation = \"robot\"\ninput = \"part_in_hand\"\nwhen = [{ part = \"robot.hand\" }]\n\n[console]";
+    let text = wired(BASE.replacen("[console]", seen, 1));
+    let warnings = |text: &str| {
+        let parsed = parse("task_driven.toml", text).unwrap_or_else(|problems| panic!("{problems:#}"));
+        parsed.warnings.into_iter().map(|problem| problem.message).collect::<Vec<_>>()
+    };
+    let blind = |name: &str| {
+        format!("`{name}` closes `robot.hand`, and nothing in its task looks whether there is a part in it")
+    };
+    assert_eq!(warnings(&text), [blind("grasp"), blind("grasp at m1")]);
+    let result = "result = { input = \"part_in_hand\", within_s = 0.5, code = 24 }\n";
+    let text = text.replacen("name = \"grasp\"\n", &format!("name = \"grasp\"\n{result}"), 1);
+    assert_eq!(warnings(&text), [blind("grasp at m1")]);
+    let waits = "name = \"carry to the store\"\nwaits = [\"part_in_hand\"]\n";
+    assert_eq!(warnings(&text.replacen("name = \"carry to the store\"\n", waits, 1)), [] as [String; 0]);
+
+    let line = parse("task_driven.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+    let robot = line.station(StationId(1));
+    let result = robot.operations[1].result.expect("it has one");
+    assert_eq!((robot.inputs[result.input.index()].as_str(), result.code), ("part_in_hand", 24));
+    assert_eq!(robot.result_before(2), Some((OpId(1), result)), "the carrying waits for it");
+    assert_eq!((robot.result_before(1), robot.result_before(5)), (None, None), "and nothing else, in no other task");
+    assert_eq!(robot.awaited_by(OpId(2)).collect::<Vec<_>>(), [result.input]);
+}

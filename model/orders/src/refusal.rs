@@ -77,8 +77,8 @@ impl TaskRefusal {
         match self {
             TaskRefusal::Busy => "rejected: another task order is in progress",
             TaskRefusal::Mode => "rejected: station not in auto, or master stop given",
-            TaskRefusal::OtherMemory => "rejected: addressed to an order store that was reset",
-            TaskRefusal::OldEpoch => "rejected: a newer coordinator epoch is active",
+            TaskRefusal::OtherMemory => "rejected: the station has lost its memory of orders since",
+            TaskRefusal::OldEpoch => "rejected: a coordinator that was started later gives its orders",
             TaskRefusal::Old => "rejected: order already received",
             TaskRefusal::Late => "rejected: time limit exceeded before the start",
             TaskRefusal::NotThere => "rejected: station not at the rest where the task begins",

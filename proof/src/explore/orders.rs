@@ -2,7 +2,8 @@
 //! operations wait for.
 //!
 //! Orders have a number each, which grows for ever; what a station does with one does not depend on it. Time stands still
-//! but for the time of an order: each has the shortest there is, and only [`StationAct::Expire`] lets it pass.
+//! but for the time of an order: each has the shortest there is, and only [`StationAct::Expire`] lets it pass. An order whose
+//! motion has not had its result in time ends as one whose time is over, but for the code.
 
 use std::time::Duration;
 
@@ -38,8 +39,7 @@ pub(super) fn order(line: &Line, station: StationId, task: linewright_line::Task
 
 /// The inputs that a station's operations wait for.
 pub(super) fn sensors_of(line: &Line, station: StationId) -> u128 {
-    let waits = line.station(station).operations.iter().flat_map(|operation| &operation.waits);
-    waits.fold(0, |bits, input| bits | input.bit())
+    line.station(station).awaited_inputs().fold(0, |bits, input| bits | input.bit())
 }
 
 /// The outputs that carry the parameters of the order it has; of the task that it stands within, where a person leads it.

@@ -271,6 +271,17 @@ pub(super) fn operation(
             recovery_watchdog: watchdog,
         },
     };
-    let (waits, waits_code) = (Vec::new(), 0);
-    Operation { name: format!("op {place}"), module, duration, watchdog, motion, normal, waits, waits_code, hand }
+    let (waits, waits_code, result) = (Vec::new(), 0, None);
+    Operation {
+        name: format!("op {place}"),
+        module,
+        duration,
+        watchdog,
+        motion,
+        normal,
+        waits,
+        waits_code,
+        result,
+        hand,
+    }
 }

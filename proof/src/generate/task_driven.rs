@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Axis, AxisId, HandMode, InputId, Line, Motion, OpId, OutputId, Parameter, Rest, RestId, Station, Task,
+    Axis, AxisId, HandMode, InputId, Line, Motion, MotionResult, OpId, OutputId, Parameter, Rest, RestId, Station, Task,
 };
 
 use super::station::{button, operation};
@@ -92,6 +92,12 @@ fn task(
             station.inputs.push(format!("W_{}", first + n));
             op.waits = vec![InputId::at(station.inputs.len() - 1)];
             op.waits_code = if random.chance(50) { 1 + (first + n) as u16 } else { 0 };
+        }
+        if !last && random.chance(20) {
+            station.inputs.push(format!("R_{}", first + n));
+            let input = InputId::at(station.inputs.len() - 1);
+            op.result =
+                Some(MotionResult { input, within: Duration::from_millis(500), code: 500 + (first + n) as u16 });
         }
         station.operations.push(op);
         station.steps.push(vec![OpId::at(first + n)]);

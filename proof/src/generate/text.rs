@@ -163,6 +163,10 @@ fn write_operation(out: &mut String, line: &Line, station: &Station, id: OpId) -
     if operation.waits_code != 0 {
         writeln!(out, "waits_code = {}", operation.waits_code)?;
     }
+    if let Some(result) = &operation.result {
+        let (input, within) = (quoted(&station.inputs[result.input.index()]), seconds(result.within));
+        writeln!(out, "result = {{ input = {input}, within_s = {within}, code = {} }}", result.code)?;
+    }
     let step = &station.steps[station.step_of(id)];
     if step[0] != id {
         writeln!(out, "with = {}", op(step[0]))?;

@@ -20,7 +20,7 @@ fn mode(sim: &CellSim, station: StationId) -> ControlMode {
 
 #[test]
 fn the_stations_of_a_failed_loading_go_into_emergency_stop_and_the_others_work_on() {
-    let stopping = |text: String| text.replacen("retries = 2", "retries = 2\nemergency_stop = [\"*\"]", 1);
+    let stopping = |text: String| text.replace("retries = 2", "retries = 2\nemergency_stop = [\"*\"]");
     let of = shipped_but("workcell-c1", &[1, 1], stopping);
     for crash in [false, true] {
         let mut sim = of.sim(options(1, 0, Vec::new()), 0.0);

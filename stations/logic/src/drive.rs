@@ -20,7 +20,7 @@ impl Controller {
             deadline = deadline.min(self.image.until);
             outputs |= self.parameter_outputs() | self.homing_output();
         }
-        deadline = deadline.min(self.order_limit());
+        deadline = deadline.min(self.order_limit()).min(self.result_limit());
         self.image.watched |= self.homing_inputs();
         self.image.watched |= self.program.tasks.as_ref().map_or(0, |tasks| tasks.watched);
         self.image.watched |= self.program.places_of_axis.as_ref().map_or(0, |axis| axis.numbers.report(u16::MAX));

@@ -103,10 +103,16 @@ impl Controller {
         reasons.push(StationWait::Rejoin(doubt, advice).text() + &numbers_text(&asked));
     }
 
-    /// The inputs that a step waits for and that are off.
+    /// The inputs that a step waits for and that are off; first the result of the step before it.
     pub(crate) fn explain_missing(&self, line: &Line, step: u8, reasons: &mut Vec<String>) {
         let station = self.program.station;
-        let missing = self.missing(step);
+        let mut missing = self.missing(step);
+        let before = line.station(station).result_before(usize::from(step));
+        if let Some((op, result)) = before.filter(|(_, result)| missing & result.input.bit() != 0) {
+            let input = line.input_text(Owner::Station(station), result.input);
+            reasons.push(StationWait::Result { input: &input, of: &line.operation((station, op)).name }.text());
+            missing &= !result.input.bit();
+        }
         let name = &line.operation((station, line.station(station).steps[usize::from(step)][0])).name;
         for input in (0..128).filter(|bit| missing & (1 << bit) != 0).map(InputId) {
             let input = line.input_text(Owner::Station(station), input);

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! An order that is given up has not ended before the station stands: until then it is in the slot, and in no result. It fails
-//! with the code of the inputs that it waited for, if it did; else because its time was over, or because it was ordered to leave it.
+//! with the code of the inputs that it waited for, if it did, the result of a motion before others; else because its time was over, or because it was ordered to leave it.
 //! When its time is over the station goes no way by itself: another station of the same activity may rely on where it stands, which
 //! the coordinator alone can see. One that its time or a fault has ended may be ordered to secure once; it is in the slot again
 //! until it stands, and copies of that message start nothing later. An order to stop is in `stop`.
@@ -28,6 +28,7 @@
 
 mod leave;
 mod report;
+mod result;
 mod stop;
 
 use std::cmp::Ordering;
@@ -73,6 +74,8 @@ struct ActiveOrder {
     limit: Tick,
     /// Its first operation has started.
     begun: bool,
+    /// When the result of the operation that was completed last has to be there.
+    result_due: Tick,
     phase: SlotPhase,
 }
 
@@ -287,7 +290,17 @@ impl Controller {
         }
         let limit = self.now + order.limit.min(task.limit);
         let task = TaskId::at(index);
-        Ok((ActiveOrder { key: order.key, task, limit, begun: false, phase: SlotPhase::Running }, image))
+        Ok((
+            ActiveOrder {
+                key: order.key,
+                task,
+                limit,
+                begun: false,
+                result_due: Tick::NEVER,
+                phase: SlotPhase::Running,
+            },
+            image,
+        ))
     }
 
     pub(crate) fn task_of(&self, op: OpId) -> Option<TaskId> {
@@ -387,6 +400,7 @@ impl Controller {
         if self.program.tasks.as_ref().is_some_and(|tasks| tasks.task(slot.task).last == op) {
             self.conclude(TaskOutcome::Done);
         }
+        self.result_begins(op);
     }
 
     /// The mode has changed: where people move the station, an order is over.
@@ -437,7 +451,7 @@ impl Controller {
     fn waited_for(&self) -> Option<u16> {
         let step = self.next_step().filter(|&step| self.missing(step) != 0)?;
         let (_, code) = *self.program.tasks.as_ref()?.waits.get(usize::from(step))?;
-        (code != 0).then_some(code)
+        self.missing_result().map(|result| result.code).or((code != 0).then_some(code))
     }
 
     /// The order is over, by this unless it was before.

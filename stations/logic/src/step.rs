@@ -96,6 +96,7 @@ impl Controller {
             self.due.report = true;
             self.agreement.refusal = None;
         }
+        self.watch_result();
         self.follow_given_up();
         self.follow_position();
         if fired || self.due.outputs {
@@ -330,9 +331,11 @@ impl Controller {
         self.views.all_known(&self.program.causes[step as usize], mode, self.cycle_of_start(step), self.now)
     }
 
-    /// The inputs that a step waits for and that are off.
+    /// The inputs that a step waits for and that are off, the result of the step before it among them.
     pub(crate) fn missing(&self, step: u8) -> u128 {
-        self.program.tasks.as_ref().map_or(0, |tasks| tasks.waits[usize::from(step)].0 & !self.image.bits)
+        let Some(tasks) = &self.program.tasks else { return 0 };
+        let result = tasks.results[usize::from(step)].map_or(0, |result| result.input.bit());
+        (tasks.waits[usize::from(step)].0 | result) & !self.image.bits
     }
 
     /// The cycle in which a step would start: the first one listed starts a new one; if task-driven, the first of a task.

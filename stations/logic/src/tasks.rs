@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_line::{OpId, Parameter, RestId, Station, TaskId};
+use linewright_line::{MotionResult, OpId, Parameter, RestId, Station, TaskId};
 
 /// The tasks of a task-driven station.
 #[derive(Clone, Debug)]
@@ -13,6 +13,8 @@ pub(crate) struct StationTasks {
     pub task_of: Vec<TaskId>,
     /// For each step, the inputs that must be on before it starts, and the code for when they are not in time.
     pub waits: Vec<(u128, u16)>,
+    /// For each step, the result of the step before it in its task, which must be there before it starts.
+    pub results: Vec<Option<MotionResult>>,
     /// All of those inputs.
     pub watched: u128,
 }
@@ -79,7 +81,8 @@ impl StationTasks {
             tasks: station.task_ids().map(task).collect(),
             // A checked description has a task for every operation.
             task_of: station.op_ids().map(|op| station.task_of(op).unwrap_or(TaskId(0))).collect(),
-            watched: waits.iter().fold(0, |all, (bits, _)| all | bits),
+            watched: station.awaited_inputs().fold(0, |all, input| all | input.bit()),
+            results: (0..station.steps.len()).map(|step| Some(station.result_before(step)?.1)).collect(),
             waits,
         })
     }

@@ -181,6 +181,7 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
         StationWait::MasterStopOfOrders => StationWait::MasterStopOfOrders;
         StationWait::TaskOrder => StationWait::TaskOrder;
         StationWait::Rest => StationWait::Rest;
+        StationWait::Result { .. } => StationWait::Result { input: "part_in_hand (robot io, node 11h)", of: own };
         StationWait::Input { .. } => StationWait::Input { input: "part_present (m1 io, node 02h)", own };
         StationWait::Button { .. } => StationWait::Button { onward: Some("PB_2"), back: Some("PB_2") },
             StationWait::Button { onward: Some("PB_2"), back: Some("PB_3") },

@@ -75,19 +75,17 @@ impl StationRests {
 pub fn rests(line: &Line, id: StationId) -> StationRests {
     let station: &Station = line.station(id);
     let task = |of: linewright_line::TaskId| {
-        let (task, mut operations) = (station.task(of), station.operations_of(of));
+        let task = station.task(of);
         let forward = station.operations[station.first_of(of).index()].hand.forward();
         let back = station.operations[station.last_of(of).index()].hand.reverses_from_its_end();
         let goes_back = |button: &ButtonId| {
             let mut all = station.operations_of(of).map(|op| &station.operations[op.index()]);
             all.all(|op| op.hand.back() == Some(*button) && matches!(op.module, OperationModule::Reversible { .. }))
         };
-        let awaited =
-            station.operations_of(of).map(|op| &station.operations[op.index()]).filter(|of| of.waits_code > 0);
-        let awaited = awaited.flat_map(|of| {
-            of.waits
-                .iter()
-                .map(|&input| (of.waits_code, input.bit(), Arc::from(station.inputs[input.index()].as_str())))
+        let awaited = station.operations_of(of).map(|op| &station.operations[op.index()]).flat_map(|of| {
+            let waits = of.waits.iter().filter(|_| of.waits_code > 0).map(|&input| (of.waits_code, input));
+            let all = waits.chain(of.result.map(|result| (result.code, result.input)));
+            all.map(|(code, input)| (code, input.bit(), Arc::from(station.inputs[input.index()].as_str())))
         });
         let back = back.filter(goes_back);
         let name = |button: ButtonId| Arc::from(line.buttons[usize::from(button.0)].as_str());
@@ -104,7 +102,7 @@ pub fn rests(line: &Line, id: StationId) -> StationRests {
             to: task.to,
             button: name(forward),
             back: back.map(name),
-            waits: operations.any(|op| !station.operations[op.index()].waits.is_empty()),
+            waits: station.waits_for_inputs(of),
         }
     };
     StationRests {

@@ -131,7 +131,7 @@ impl StationStanding {
                 "still at its order, which it ends in auto; where it stands in auto, stop and lead it in manual"
             }
             StationStanding::Unknown => "rest not confirmed",
-            StationStanding::StoreReset => "restarted with an empty order store",
+            StationStanding::StoreReset => "restarted without its memory of orders",
             StationStanding::NotBegun => "order not begun",
         }
     }

@@ -13,7 +13,7 @@ impl fmt::Display for OrderFailure {
             OrderFailure::Code(code) => f.write_str(&TaskFailure::from_code(*code).text()),
             OrderFailure::Refused(refusal) => f.write_str(refusal.text()),
             OrderFailure::TimedOut => f.write_str("time limit exceeded"),
-            OrderFailure::Forgotten => f.write_str("order lost, order store of the station was reset"),
+            OrderFailure::Forgotten => f.write_str("order lost, the station has lost its memory of orders"),
             OrderFailure::Lost => f.write_str("no state received from the station"),
             OrderFailure::DevicesLost => f.write_str("I/O devices of the station lost"),
         }
@@ -26,7 +26,7 @@ impl OrderFailure {
         match self {
             OrderFailure::Code(_) | OrderFailure::TimedOut => format!("{station}: {self}"),
             OrderFailure::Refused(refusal) => format!("{station}: order {}", refusal.text()),
-            OrderFailure::Forgotten => format!("{station}: order lost, its order store was reset"),
+            OrderFailure::Forgotten => format!("{station}: order lost, with its memory of orders"),
             OrderFailure::Lost => format!("{station}: no state received"),
             OrderFailure::DevicesLost => format!("{station}: I/O devices lost"),
         }

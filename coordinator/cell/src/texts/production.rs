@@ -73,7 +73,7 @@ impl fmt::Display for ProductionCommandError {
             }
             ProductionCommandError::Order(refusal) => refusal.fmt(f),
             ProductionCommandError::Superseded => {
-                f.write_str("rejected: a newer coordinator epoch is active; send the request to that coordinator")
+                f.write_str("rejected: another coordinator was started later; send the request to that one")
             }
         }
     }

@@ -12,7 +12,7 @@ const LOAD: &str = "load M1<A.new>";
 
 fn stopping(which: &str) -> CellBench {
     let rule = format!("retries = 2\nemergency_stop = [{which}]");
-    CellBench::new(&workcell().replacen("retries = 2", &rule, 1), &[1, 0])
+    CellBench::new(&workcell().replace("retries = 2", &rule), &[1, 0])
 }
 
 impl CellBench {

@@ -347,8 +347,8 @@ fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
     bench.at("robot").forget();
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let text = bench.alarm().text.clone();
-    assert!(text.contains("load M1: robot: order lost, its order store was reset,"), "{text}");
-    assert!(text.contains("robot: restarted with an empty order store, m1: at rest"), "{text}");
+    assert!(text.contains("load M1: robot: order lost, with its memory of orders,"), "{text}");
+    assert!(text.contains("robot: restarted without its memory of orders, m1: at rest"), "{text}");
     bench.at("m1").waits_to_begin = false;
     bench.answer("as-before");
     bench.all_leave(1);

@@ -11,7 +11,7 @@ use linewright_line::{StationId, Tick};
 use linewright_random::mix;
 
 use super::{Coordinator, StationView};
-use crate::refusal::ModeRefusal;
+use crate::refusal::{ApartCause, ModeRefusal};
 
 /// A generation that is being founded.
 #[derive(Clone, Debug)]
@@ -50,16 +50,20 @@ impl Coordinator {
     }
 
     /// The stations whose generation is missing or differs from the most common one; none while a generation is being founded.
-    pub(super) fn apart(&self) -> impl Iterator<Item = StationId> {
+    pub(super) fn apart(&self) -> impl Iterator<Item = (StationId, ApartCause)> {
         let is_common = self.founding.is_some() || self.is_of_one_generation();
         let prevailing = self.prevailing();
-        let apart = move |heard: &StationView| heard.generation == 0 || heard.generation != prevailing;
-        self.comparing().filter(move |(_, heard)| !is_common && apart(heard)).map(|(id, _)| id)
+        let apart = move |heard: &StationView| match heard.generation {
+            0 => Some(ApartCause::NoMemory),
+            generation => (generation != prevailing).then_some(ApartCause::OtherStart),
+        };
+        self.comparing().filter(move |_| !is_common).filter_map(move |(id, heard)| Some((id, apart(heard)?)))
     }
 
     /// Refusals where counts cannot be compared: the stations that have none in common, and those that are to be led home.
     pub(super) fn without_common_start(&self) -> Vec<ModeRefusal> {
-        let mut reasons: Vec<ModeRefusal> = self.apart().map(ModeRefusal::NoCommonStart).collect();
+        let mut reasons: Vec<ModeRefusal> =
+            self.apart().map(|(id, cause)| ModeRefusal::NoCommonStart(id, cause)).collect();
         if !reasons.is_empty() {
             let away = self.comparing().filter(|(_, heard)| !heard.at_home);
             reasons.extend(away.map(|(id, _)| ModeRefusal::NotAtHome(id)));

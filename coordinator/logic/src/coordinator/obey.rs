@@ -230,7 +230,7 @@ impl Coordinator {
         // Nothing is founded before all have acknowledged that they stand.
         reasons.extend(self.which(|h| h.stopped && !self.is_at_rest(h), ModeRefusal::Unaware));
         if reasons.is_empty() && !self.found() {
-            reasons = self.apart().map(ModeRefusal::NotFounded).collect();
+            reasons = self.apart().map(|(id, cause)| ModeRefusal::NotFounded(id, cause)).collect();
         }
         if !reasons.is_empty() {
             return reasons;

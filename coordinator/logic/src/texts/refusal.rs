@@ -3,12 +3,11 @@
 use linewright_line::{Device, Line, Owner};
 
 use crate::decision::ModeCommand;
-use crate::refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
+use crate::refusal::{ApartCause, ModeRefusal, OperatorCommand, RefusedCommand};
 
 const POSITION_LOST: &str = "position lost; see its fault: check mechanism and switch, or look, then rejoin";
 
-const NO_COMMON_START: &str =
-    "no generation in common with the other stations; lead all stations home in manual, then give auto";
+const BEGIN_ANEW: &str = "lead all stations home in manual, then give auto";
 
 impl RefusedCommand {
     /// The refusal, e.g. `auto refused in stand-by: mill_1: operation incomplete; complete or undo it in manual`.
@@ -39,7 +38,7 @@ pub(crate) fn reason_texts(
     trouble: impl Fn(&ModeRefusal) -> String,
 ) -> Vec<String> {
     let apart = |reason: &ModeRefusal| match reason {
-        ModeRefusal::NoCommonStart(station) => Some(line.station(*station).name.as_str()),
+        ModeRefusal::NoCommonStart(station, cause) => Some((*cause, line.station(*station).name.as_str())),
         _ => None,
     };
     let text = |reason: &ModeRefusal| {
@@ -47,11 +46,24 @@ pub(crate) fn reason_texts(
         if trouble.is_empty() { text } else { format!("{text}: {trouble}") }
     };
     let mut texts: Vec<String> = reasons.iter().filter(|reason| apart(reason).is_none()).map(text).collect();
-    let without: Vec<&str> = reasons.iter().filter_map(apart).collect();
-    if !without.is_empty() {
-        texts.push(format!("{}: {NO_COMMON_START}", without.join(", ")));
+    let of_cause = |cause: ApartCause| {
+        let names: Vec<&str> = reasons.iter().filter_map(apart).filter(|of| of.0 == cause).map(|of| of.1).collect();
+        (!names.is_empty()).then(|| format!("{}: {}", names.join(", "), cause.text()))
+    };
+    let causes: Vec<String> = ApartCause::ALL.into_iter().filter_map(of_cause).collect();
+    if !causes.is_empty() {
+        texts.push(format!("{}; {BEGIN_ANEW}", causes.join(", and ")));
     }
     texts
+}
+
+impl ApartCause {
+    const fn text(self) -> &'static str {
+        match self {
+            ApartCause::NoMemory => "no memory of the cycle",
+            ApartCause::OtherStart => "began anew apart from the other stations",
+        }
+    }
 }
 
 impl ModeRefusal {
@@ -110,11 +122,13 @@ impl ModeRefusal {
                 };
                 (station, text)
             }
-            ModeRefusal::NoCommonStart(station) => (station, NO_COMMON_START),
-            ModeRefusal::NotFounded(station) => (
-                station,
-                "no generation in common with the other stations, and none can be founded now; give start, then manual",
-            ),
+            ModeRefusal::NoCommonStart(station, cause) => {
+                return format!("{}: {}; {BEGIN_ANEW}", line.station(*station).name, cause.text());
+            }
+            ModeRefusal::NotFounded(station, cause) => {
+                let (name, cause) = (&line.station(*station).name, cause.text());
+                return format!("{name}: {cause}, and the line cannot begin anew now; give start, then manual");
+            }
             ModeRefusal::Restarted(station) => (station, "restarted; give start, or select manual first"),
             ModeRefusal::SelectorManual(station) => (station, "selector at manual"),
             ModeRefusal::Moving(station) => (station, "motion in progress"),
@@ -130,7 +144,7 @@ impl ModeRefusal {
             ModeRefusal::NotSingle(station) => (station, "not in manual by itself, it follows the mode of the line"),
             ModeRefusal::NoSingleManual(station) => (
                 station,
-                "in a cell only; arrows and counts join the stations of a line, so it has one mode; give stop --wait, then \
+                "in a cell only; the stations of a line depend on each other in each cycle, so it has one mode; give stop --wait, then \
                  manual",
             ),
             ModeRefusal::InService(station) => (

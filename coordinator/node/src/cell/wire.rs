@@ -52,9 +52,8 @@ fn presence(message: &OrderState, sensor: Option<InputId>) -> Presence {
 
 /// Of the inputs that operations of a station wait for, those that are off; none while its inputs are not known.
 fn off(message: &OrderState, station: &Station) -> u128 {
-    let waited = station.operations.iter().flat_map(|operation| &operation.waits);
-    let is_off = |input: &&InputId| presence(message, Some(**input)) == Presence::Off;
-    waited.filter(is_off).fold(0, |bits, input| bits | input.bit())
+    let is_off = |input: &InputId| presence(message, Some(*input)) == Presence::Off;
+    station.awaited_inputs().filter(is_off).fold(0, |bits, input| bits | input.bit())
 }
 
 /// A station's reports on its orders, with its other state; and its final refusals. The input is that of the sensor which

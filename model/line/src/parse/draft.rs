@@ -55,6 +55,7 @@ pub(super) struct DraftOperation<'a> {
     pub path: Vec<Located<OpId>>,
     pub task: Option<Located<TaskId>>,
     pub waits: Vec<Located<InputId>>,
+    pub result: Option<Located<InputId>>,
 }
 
 pub(super) struct DraftTask<'a> {

@@ -11,7 +11,7 @@ use super::rules::{node_id, same_motion};
 use super::setup;
 use super::{analogue, drive, frames, handling, modbus, task};
 use crate::{
-    Arrow, Canopen, Conflict, Console, Device, DeviceKind, InputId, Io, Line, MotionSignals, Operation,
+    Arrow, Canopen, Conflict, Console, Device, DeviceKind, InputId, Io, Line, MotionResult, MotionSignals, Operation,
     OperationModule, Owner, Panel, Station, StopContact, TaskOrderSource, Timing,
 };
 
@@ -98,6 +98,14 @@ fn operation(station: &DraftStation<'_>, draft: &DraftOperation<'_>) -> Option<O
         normal: signals(&draft.normal)?,
         waits: draft.waits.iter().map(|input| input.value).collect(),
         waits_code: raw.waits_code.as_ref().map_or(Some(0), |code| u16::try_from(code.value).ok())?,
+        result: match &raw.result {
+            Some(result) => Some(MotionResult {
+                input: draft.result.as_ref()?.value,
+                within: result.within.as_ref()?.value,
+                code: u16::try_from(result.code.as_ref()?.value).ok()?,
+            }),
+            None => None,
+        },
         hand: draft.hand.as_ref()?.value,
     })
 }

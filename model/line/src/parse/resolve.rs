@@ -117,6 +117,7 @@ fn operation<'a>(
             .flat_map(|waits| &waits.value)
             .filter_map(|name| scope.input(Some(name), report))
             .collect(),
+        result: raw.result.as_ref().and_then(|result| scope.input(result.input.as_ref(), report)),
     }
 }
 

@@ -453,8 +453,7 @@ impl<'l> TaskStationModels<'l> {
 }
 
 fn sensors_of(line: &Line, station: StationId) -> u128 {
-    let waits = line.station(station).operations.iter().flat_map(|operation| &operation.waits);
-    waits.fold(0, |bits, input| bits | input.bit())
+    line.station(station).awaited_inputs().fold(0, |bits, input| bits | input.bit())
 }
 
 /// The switches of the axis that an operation moves.

@@ -37,7 +37,8 @@ impl Controller {
             // It may stand where a person has left it since.
             if let Some(task) = task.filter(|_| is_first) {
                 let phase = SlotPhase::Returning;
-                orders.slot = Some(ActiveOrder { key, task, limit: Tick::NEVER, begun: true, phase });
+                let (limit, result_due) = (Tick::NEVER, Tick::NEVER);
+                orders.slot = Some(ActiveOrder { key, task, limit, begun: true, result_due, phase });
                 self.due.report = true;
                 self.note(HappeningKind::Securing(task));
             }

@@ -56,6 +56,8 @@ pub enum StationWait<'a> {
     Rest,
     /// An input of a task.
     Input { input: &'a str, own: &'a str },
+    /// The input that says what a completed operation has brought about.
+    Result { input: &'a str, of: &'a str },
     /// A button in hand mode; none has a function where both are empty.
     Button { onward: Option<&'a str>, back: Option<&'a str> },
     /// A button in hand mode within a sequence, which its other button takes back only from its end.
@@ -211,7 +213,7 @@ impl StationWait<'_> {
             StationWait::LedOut { station, why } => {
                 format!("{station} to be led out of its state of the conflict `{why}`, for {HOMING}")
             }
-            StationWait::NewGeneration => "a new generation: no counts in common with the other stations; lead all \
+            StationWait::NewGeneration => "a new start of all stations: it has no memory of the cycle; lead all \
                                            stations home in manual, then give auto"
                 .to_owned(),
             StationWait::Stopped { op, advance, back, cause } => {
@@ -233,6 +235,7 @@ impl StationWait<'_> {
             StationWait::TaskOrder => "a task order".to_owned(),
             StationWait::Rest => "an operator: no task begins here; lead the station to a rest in manual".to_owned(),
             StationWait::Input { input, own } => format!("{input} to be on, for {own}"),
+            StationWait::Result { input, of } => format!("{input} to be on, after {of}"),
             StationWait::Button { onward, back } => match (onward, back) {
                 (Some(onward), Some(back)) if onward == back => format!("a button: {onward}"),
                 (Some(onward), Some(back)) => format!("a button: {onward} to go on, {back} to go back"),
@@ -276,30 +279,35 @@ impl StationWait<'_> {
             StationWait::Position { detail, own } => format!("{detail}, for {own}"),
             StationWait::WayHome { cause } => format!("{cause}, needed on the recovery path"),
             StationWait::NoState { station, own } => format!("the state of {station}, for {own}"),
-            StationWait::OwnGeneration { own } => format!("a new generation, for {own}: this station has none"),
+            StationWait::OwnGeneration { own } => {
+                format!("a new start of all stations, for {own}: it has no memory of the cycle")
+            }
             StationWait::OtherGeneration { station, own } => {
-                format!("a new generation with {station}, for {own}: its counts are of another one")
+                format!("a new start together with {station}, for {own}: the two began anew apart")
             }
             StationWait::PositionOf { station, own } => format!("the position of {station} (lost), for {own}"),
             StationWait::Implausible { station, cycle, own } => {
                 format!("a plausible cycle of {station} (it reports {cycle}), for {own}")
             }
             StationWait::BeingWithdrawn { station, op, own } => {
-                format!("{station}: {op} (count being withdrawn), for {own}")
+                format!("{station}: {op} (being taken back), for {own}")
             }
             StationWait::Arrow { station, op, cycle, own } => format!("{station}: {op} (cycle {cycle}), for {own}"),
             StationWait::Agreement { station, is_heard, ops } => {
-                format!("agreement of {station}{} to withdraw {ops}", heard(is_heard))
+                format!("agreement of {station}{} to take back {ops}", heard(is_heard))
             }
             StationWait::EntryAgreement { station, is_heard } => {
-                format!("agreement of {station}{} to stand meanwhile: no counts keep the two apart", heard(is_heard))
+                format!(
+                    "agreement of {station}{} to stand meanwhile: nothing else keeps the two apart",
+                    heard(is_heard)
+                )
             }
             StationWait::EntryRejected { station, op } => {
                 let what = op.map_or("is about to move".to_owned(), |op| format!("{op} is under way"));
-                format!("{station} to stand ({what}): no counts keep the two apart; command it again then")
+                format!("{station} to stand ({what}): nothing else keeps the two apart; command it again then")
             }
             StationWait::Disagreement { station, op, ops } => {
-                format!("withdrawal of {ops}: rejected by {station}, {op} has started")
+                format!("{ops} to be taken back: rejected by {station}, {op} has started")
             }
         }
     }

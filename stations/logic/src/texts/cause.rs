@@ -72,7 +72,7 @@ impl StopCause {
                 line.input_text(Owner::Station(station), input)
             ),
             StopCause::Interlock { station, input: None, .. } if !is_measured(line, own, station) => format!(
-                "interlock: {} not clear: no switches measure that, and there are no counts in common",
+                "interlock: {} not clear: no switches measure that, and the two did not begin anew together",
                 line.station(station).name
             ),
             StopCause::Interlock { station, input: None, .. } => {

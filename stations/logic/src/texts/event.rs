@@ -21,14 +21,14 @@ impl StationHappening {
             HappeningKind::Stopped(op, block, cause) => {
                 format!("stopped {}{}: {}", undoing(block), name(op), cause.text_of(line, station, op, block))
             }
-            HappeningKind::Withdrawn(0) => "withdrew no count".to_owned(),
-            HappeningKind::Withdrawn(ops) => format!("withdrew the count of {}", op_names(line, station, ops)),
+            HappeningKind::Withdrawn(0) => "takes nothing back".to_owned(),
+            HappeningKind::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),
             HappeningKind::HomeAgain if line.station(station).is_task_driven() => {
                 "returned to the rest where the task began".to_owned()
             }
             HappeningKind::HomeAgain => "returned home by recovery; the cycle will be repeated".to_owned(),
-            HappeningKind::Founded => "started a new generation at home; counts reset".to_owned(),
-            HappeningKind::Rejoined => "set its marking from the limit switches, confirmed by an operator".to_owned(),
+            HappeningKind::Founded => "began anew at home, with all stations".to_owned(),
+            HappeningKind::Rejoined => "took its place from the limit switches, confirmed by an operator".to_owned(),
             HappeningKind::PositionLost(op, input) => StopCause::PositionLost { op, input }.detail(line, station),
             HappeningKind::IndexDoubtful(op, input, places) => {
                 StopCause::IndexDoubtful { op, input, places }.detail(line, station)

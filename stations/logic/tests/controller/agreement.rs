@@ -37,7 +37,7 @@ fn asking() -> (Rig, u64) {
 fn nothing_moves_before_the_dependent_station_has_agreed() {
     let (mut rig, number) = asking();
     assert_eq!((rig.outputs, rig.report().done), (0, vec![1, 0]));
-    assert_eq!(rig.blocked_by().last().map(String::as_str), Some("agreement of b to withdraw op 0"));
+    assert_eq!(rig.blocked_by().last().map(String::as_str), Some("agreement of b to take back op 0"));
     rig.hear(B, b_says(Some((number, None))));
     assert!(rig.drives_back(0));
     assert_eq!((rig.report().done, rig.report().request), (vec![0, 0], None), "withdrawn as the motion starts");
@@ -53,7 +53,7 @@ fn a_refusal_names_the_operation_in_the_way_and_asks_no_more_until_pressed_again
     );
     assert_eq!(
         rig.blocked_by().last().map(String::as_str),
-        Some("withdrawal of op 0: rejected by b, op 0 has started")
+        Some("op 0 to be taken back: rejected by b, op 0 has started")
     );
     rig.wait_ms(1000);
     assert_eq!((rig.outputs, rig.report().request, rig.events()), (0, None, vec![]));
@@ -116,7 +116,7 @@ fn an_agreement_whose_giver_has_fallen_silent_is_not_acted_on() {
     assert_eq!(rig.outputs, 0);
     assert_eq!(
         rig.blocked_by().last().map(String::as_str),
-        Some("agreement of b (no state received) to withdraw op 0")
+        Some("agreement of b (no state received) to take back op 0")
     );
     rig.hear(B, b_says(Some((number + 1, None))));
     assert!(rig.drives_back(0));
@@ -193,7 +193,7 @@ fn nothing_starts_on_a_count_that_is_being_taken_back() {
     assert_eq!(answer_of_b(&b), Some(None));
     b.mode(ControlMode::Auto);
     assert_eq!(b.outputs, 0);
-    assert_eq!(b.blocked_by(), ["a: op 0 (count being withdrawn), for op 0"]);
+    assert_eq!(b.blocked_by(), ["a: op 0 (being taken back), for op 0"]);
     b.hear(A, peer_says(&[1, 0]));
     assert!(b.drives(0), "given up: the count stands");
 }

@@ -59,7 +59,7 @@ fn what_moves_there_is_named_and_the_command_is_given_again() {
     answers(&mut bench, 1, number, Some(OpId(0)));
     let op = &bench.line.operation((BAR, OpId(0))).name;
     let expected =
-        format!("transfer to stand ({op} is under way): no counts keep the two apart; command it again then");
+        format!("transfer to stand ({op} is under way): nothing else keeps the two apart; command it again then");
     assert!(bench.blocked().contains(&expected), "{}", bench.blocked());
     for _ in 0..20 {
         bench.play();

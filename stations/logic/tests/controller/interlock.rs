@@ -258,7 +258,7 @@ fn a_conflict_that_no_switch_measures_blocks_what_a_lost_memory_may_run_into() {
     bench.mode(ControlMode::Manual);
     bench.press(PanelCommand::Advance);
     assert!(!bench.drives(bench.closing()), "into it");
-    assert!(bench.blocked().contains("a new generation"), "{}", bench.blocked());
+    assert!(bench.blocked().contains("it has no memory of the cycle"), "{}", bench.blocked());
 }
 
 #[test]

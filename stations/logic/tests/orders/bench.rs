@@ -93,7 +93,19 @@ impl OrderBench {
 
     /// A station of the description with these inputs on.
     pub fn standing(station: StationId, restore: Restore, boot_id: u64, on: &[&str]) -> Self {
-        let line = parse("task_driven.toml", BASE).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        OrderBench::changed(|text| text, station, restore, boot_id, on)
+    }
+
+    /// A station of the description as `change` leaves it, with these inputs on.
+    pub fn changed(
+        change: impl Fn(String) -> String,
+        station: StationId,
+        restore: Restore,
+        boot_id: u64,
+        on: &[&str],
+    ) -> Self {
+        let line =
+            parse("task_driven.toml", &change(BASE.to_owned())).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         let names = line.station(station).inputs.iter().enumerate();
         let image = names.filter(|(_, name)| on.contains(&name.as_str())).fold(0, |bits, (bit, _)| bits | 1 << bit);
         OrderBench { rig: Rig::standing(line, station, boot_id, restore, image), is_taken: true }

@@ -11,4 +11,5 @@ mod memory;
 mod people;
 mod random;
 mod rejoin;
+mod results;
 mod stop;

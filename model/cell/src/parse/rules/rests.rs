@@ -130,10 +130,7 @@ fn tasks_begin_where_others_end(draft: &DraftCell<'_>, machine: &Machine<'_, '_>
 fn an_empty_machine_can_be_made_ready(draft: &DraftCell<'_>, machine: &Machine<'_, '_>, report: &mut Report) {
     let Some(loads) = machine.tasks_of(draft, Role::Target).filter(|loads| !loads.is_empty()) else { return };
     let station = machine.station;
-    let waits = |task: &&Task| {
-        let id = station.task_named(&task.name);
-        id.is_some_and(|id| station.operations_of(id).any(|op| !station.operations[op.index()].waits.is_empty()))
-    };
+    let waits = |task: &&Task| station.task_named(&task.name).is_some_and(|id| station.waits_for_inputs(id));
     let free: Vec<&Task> = station.tasks.iter().filter(|task| !waits(task)).collect();
     let mut ready: Vec<RestId> = loads.iter().map(|load| load.task.from).collect();
     // Each pass finds the rests that are one task further away.

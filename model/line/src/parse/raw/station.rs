@@ -121,6 +121,19 @@ keys! {
         /// Code with which an order fails whose time runs out while the operation waits for `waits`, at a task-driven
         /// station; 1 to 999.
         waits_code: Option<Located<i64>> = whole(1, CODE_MAX.into()),
+        /// What the motion is to have brought about, at a task-driven station:
+        /// `{ input = "part_in_hand", within_s = 0.5, code = 24 }`. The next operation of the task waits for it.
+        result: Option<RawResult> = table(),
+    }
+
+    /// What a motion is to have brought about.
+    pub(in crate::parse) struct RawResult is "`result`" {
+        /// Input that is on where it has been brought about.
+        input: Option<LocatedName> = text().required(),
+        /// Time from the end of the motion until it has to be on, in seconds, up to a day.
+        within as "within_s": Option<Located<Duration>> = seconds().required(),
+        /// Code with which an order fails when it is not on then; 1 to 999.
+        code: Option<Located<i64>> = whole(1, CODE_MAX.into()).required(),
     }
 
     /// The motion of an operation.

@@ -1,10 +1,10 @@
 //! Places of parts: do hands close, can they come to what they reach, and can a number give every position?
 
-use linewright_text::{Problem, Report};
+use linewright_text::{Located, Problem, Report};
 
 use super::operations::same_place;
-use crate::Stand;
-use crate::parse::draft::{DraftHolder, DraftLine, DraftReach, DraftSign, DraftStand};
+use crate::parse::draft::{DraftHolder, DraftLine, DraftReach, DraftSensor, DraftSign, DraftStand};
+use crate::{InputId, Motion, Stand};
 
 /// Applies the rules.
 pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
@@ -32,6 +32,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     for stand in of_holders.chain(of_reaches).chain(of_sensors) {
         axes_come_there(draft, stand, report);
     }
+    hands_are_looked_into(draft, report);
     one_nest_at_a_time(&handling.reaches, report);
     for sensor in handling.sensors.iter().filter(|sensor| sensor.when.is_empty()) {
         report.add(
@@ -124,6 +125,38 @@ fn axes_come_there(draft: &DraftLine<'_>, stand: &DraftStand, report: &mut Repor
         Problem::error(stand.at.clone(), format!("`{}` never stands at {at}", station.axes[axis.index()].name))
             .hint(format!("its motions end at {}", ends.join(", "))),
     );
+}
+
+/// A sensor in a hand is there to be looked at when the hand has closed: a grasp without a part shows nowhere else at once. In a task
+/// whatever comes after may look; the last operation of a task is followed by nothing.
+fn hands_are_looked_into(draft: &DraftLine<'_>, report: &mut Report) {
+    for (id, holder) in draft.handling.holders.iter().enumerate().filter(|(_, holder)| holder.raw.is_hand) {
+        let Some(Stand { station, axis, at }) = holder.closes.as_ref().map(|closes| closes.value) else { continue };
+        let of = &draft.stations[station.index()];
+        let sees_it =
+            |sensor: &&DraftSensor| matches!(&sensor.when[..], [Some(DraftSign::Part(seen))] if seen.index() == id);
+        let seen = draft.handling.sensors.iter().filter(sees_it).filter_map(|sensor| sensor.input.as_ref());
+        let inputs: Vec<InputId> = seen.filter(|(sees, _)| *sees == station).map(|(_, input)| input.value).collect();
+        let Some(input) = inputs.first() else { continue };
+        let input = &of.wiring.inputs[input.index()].value;
+        for task in &of.tasks {
+            let operations = &of.operations[task.ops.clone()];
+            for (nth, closing) in operations.iter().enumerate().take(operations.len().saturating_sub(1)) {
+                let is_closing =
+                    |motion: &Located<Motion>| motion.value.axis == axis && same_place(motion.value.to, at);
+                let mut looks = operations[nth..].iter().flat_map(|op| op.waits.iter().chain(&op.result));
+                if closing.motion.as_ref().is_some_and(is_closing) && !looks.any(|look| inputs.contains(&look.value)) {
+                    let message = format!(
+                        "`{}` closes `{}`, and nothing in its task looks whether there is a part in it",
+                        closing.name, holder.name
+                    );
+                    let hint =
+                        format!("`{input}` shows that: `result = {{ input = \"{input}\", within_s = 0.5, code = … }}`");
+                    report.add(Problem::warning(closing.place(), message).hint(hint));
+                }
+            }
+        }
+    }
 }
 
 /// Two reaches of a hand exclude each other by an axis that cannot stand at two places.

@@ -135,7 +135,7 @@ pub(super) fn inputs_mean_one_thing<'d>(
         }
     }
     // What an operation waits for may be any input, one with another meaning too.
-    station.operations.iter().flat_map(|operation| &operation.waits).for_each(|input| {
+    station.operations.iter().flat_map(|operation| operation.waits.iter().chain(&operation.result)).for_each(|input| {
         uses.note_unclear(input.value.index());
     });
     for (input, key) in station.panel.iter().zip(["manual", "advance", "return"]) {

@@ -23,6 +23,7 @@ pub(super) fn check(station: &DraftStation<'_>, report: &mut Report) {
     irreversible_operations_come_back(station, report);
     for task in &station.tasks {
         task_has_operations(task, report);
+        results_are_waited_for(station, task, report);
         motions_lead_from_rest_to_rest(station, task, report);
         limit_outlasts_the_motions(station, task, report);
         parameters_have_outputs(task, report);
@@ -53,6 +54,7 @@ pub(super) fn nothing_of_tasks(station: &DraftStation<'_>, report: &mut Report) 
             ("task", raw.task.as_ref().map(|name| &name.at)),
             ("waits", raw.waits.as_ref().map(|waits| &waits.at)),
             ("waits_code", raw.waits_code.as_ref().map(|code| &code.at)),
+            ("result", raw.result.as_ref().map(|result| &result.at)),
         ];
         for (key, at) in keys {
             if let Some(at) = at {
@@ -141,6 +143,18 @@ fn operations_run_one_by_one(station: &DraftStation<'_>, report: &mut Report) {
         report.add(
             Problem::error(with.at.clone(), "operations side by side in a task-driven station")
                 .hint("the operations of a task run one by one; divide the station, or leave `with` out"),
+        );
+    }
+}
+
+/// A task is done with its last motion: nothing waits for what that has brought about.
+fn results_are_waited_for(station: &DraftStation<'_>, task: &DraftTask<'_>, report: &mut Report) {
+    let last = station.operations[task.ops.clone()].last();
+    if let Some((last, result)) = last.and_then(|last| Some((last, last.raw.result.as_ref()?))) {
+        report.add(
+            Problem::error(result.at.clone(), format!("`{}` is the last operation of task `{}`", last.name, task.name))
+                .label("nothing waits for it")
+                .hint("the next operation of a task waits for `result`, and here none follows: let an operation before it have it"),
         );
     }
 }

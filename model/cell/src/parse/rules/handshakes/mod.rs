@@ -174,10 +174,12 @@ impl<'d, 'a> Handshake<'d, 'a> {
         self.awaited(at, state[at] / 2, instead).all(|input| self.may_be_on(state, id, input, edge))
     }
 
-    /// What an operation waits for, with another input instead of a mistaken one.
+    /// What an operation waits for, and the result of the one before it, with another input instead of a mistaken one.
     fn awaited(&self, player: usize, operation: usize, instead: Option<Mistaken>) -> impl Iterator<Item = InputId> {
         let change = instead.filter(|change| (change.player, change.operation) == (player, operation));
-        let waits = self.players[player].operations[operation].waits.iter();
+        let operations = &self.players[player].operations;
+        let before = operation.checked_sub(1).and_then(|before| operations[before].result.as_ref());
+        let waits = operations[operation].waits.iter().chain(before.map(|result| &result.input));
         waits.map(move |input| change.filter(|change| change.input == *input).map_or(*input, |change| change.instead))
     }
 

@@ -83,8 +83,9 @@ impl Handshake<'_, '_> {
     fn is_understood(&self, transfer: &ClampTransfer) -> bool {
         let waits = |(at, player): (usize, &Player<'_, '_>)| {
             let own = if at == transfer.player { transfer.operation + 1 } else { player.operations.len() };
+            let results = player.operations[..own].iter().filter_map(|operation| operation.result.as_ref());
             let waits = player.operations[..own].iter().flat_map(|operation| &operation.waits);
-            waits.into_iter().all(|input| self.is_known(player, *input))
+            waits.chain(results.map(|result| &result.input)).all(|input| self.is_known(player, *input))
         };
         self.players.iter().enumerate().all(waits)
     }
