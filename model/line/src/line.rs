@@ -176,7 +176,7 @@ pub struct Operation {
     pub waits: Vec<InputId>,
     /// The code of an order whose time runs out while it waits for them, from 1; 0 where the description gives none.
     pub waits_code: u16,
-    /// What must be on when the normal motion has completed, before the next operation starts; of task-driven stations.
+    /// What must be on when the normal motion has completed, before the next operation starts in auto; of task-driven stations.
     pub result: Option<MotionResult>,
     /// Hand-mode type and its operator commands (seed 002 Figure 21, Table 3).
     pub hand: HandMode,

@@ -146,15 +146,15 @@ impl Station {
         self.operations.iter().flat_map(|op| op.waits.iter().copied().chain(op.result.map(|result| result.input)))
     }
 
-    /// The inputs that must be on before an operation starts, with the result of the one before it in its task.
+    /// The inputs that must be on before an operation starts in auto, with the result of the one before it in its task.
     pub fn awaited_by(&self, op: OpId) -> impl Iterator<Item = InputId> + '_ {
         let before = self.result_before(self.step_of(op)).map(|(_, result)| result.input);
         self.operations[op.index()].waits.iter().copied().chain(before)
     }
 
-    /// Whether an operation of a task waits for inputs before it starts.
+    /// Whether an operation of a task waits for inputs before it starts, in every mode: in auto alone there are results besides.
     pub fn waits_for_inputs(&self, task: TaskId) -> bool {
-        self.operations_of(task).any(|op| self.awaited_by(op).next().is_some())
+        self.operations_of(task).any(|op| !self.operations[op.index()].waits.is_empty())
     }
 
     /// The operation a task begins with.

@@ -449,9 +449,12 @@ impl Controller {
 
     /// The code of the inputs that the order waits for.
     fn waited_for(&self) -> Option<u16> {
+        if let Some(result) = self.missing_result() {
+            return Some(result.code);
+        }
         let step = self.next_step().filter(|&step| self.missing(step) != 0)?;
         let (_, code) = *self.program.tasks.as_ref()?.waits.get(usize::from(step))?;
-        self.missing_result().map(|result| result.code).or((code != 0).then_some(code))
+        (code != 0).then_some(code)
     }
 
     /// The order is over, by this unless it was before.

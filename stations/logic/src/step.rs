@@ -331,10 +331,11 @@ impl Controller {
         self.views.all_known(&self.program.causes[step as usize], mode, self.cycle_of_start(step), self.now)
     }
 
-    /// The inputs that a step waits for and that are off, the result of the step before it among them.
+    /// The inputs that a step waits for and that are off; in auto with the result of the step before it.
     pub(crate) fn missing(&self, step: u8) -> u128 {
         let Some(tasks) = &self.program.tasks else { return 0 };
-        let result = tasks.results[usize::from(step)].map_or(0, |result| result.input.bit());
+        let result = tasks.results[usize::from(step)].filter(|_| self.commands.mode() == ControlMode::Auto);
+        let result = result.map_or(0, |result| result.input.bit());
         (tasks.waits[usize::from(step)].0 | result) & !self.image.bits
     }
 

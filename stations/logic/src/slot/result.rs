@@ -1,8 +1,9 @@
 //! Results of motions: what is to be there when an operation of a task has completed, such as a part in the hand.
 //!
-//! The next operation of the task waits for it as for its other inputs, in every mode. In auto it has its own time, from the end
-//! of the motion; after that the order ends at once with its code, as one does whose time is over. A result that is lost again
-//! before the next operation starts ends the order as well. Where the inputs are not known, nothing is missing.
+//! In auto the next operation of the task waits for it as for its other inputs. It has its own time, from the end of the motion;
+//! after that the order ends at once with its code, as one does whose time is over. A result that is lost again before the next
+//! operation starts ends the order as well. Where the inputs are not known, nothing is missing. In hand and manual mode it is not
+//! waited for: people see what is in the hand, and lead a station on to its rest also with an empty one.
 
 use linewright_line::{MotionResult, OpId, Tick};
 
