@@ -15,7 +15,7 @@ use std::time::Duration;
 use clap::Args as ClapArgs;
 use linewright_console_server::PageServer;
 use linewright_console_view::{
-    CellNames, ConsoleInputs, ConsoleView, PageFeed, PageFrame, PlanPart, ReasonsByResource,
+    CellChoices, ConsoleInputs, ConsoleView, PageFeed, PageFrame, PlanPart, ReasonsByResource,
 };
 use linewright_fieldbus::Clock;
 use linewright_line::{Line, StationId, Tick};
@@ -101,6 +101,8 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
             }
             is_none = commands.replied() => if let Some(cell) = cell.as_mut().filter(|_| is_none) {
                 cell.give_up()?;
+                // What is asked by the former callers keeps them, and what they would still send.
+                asked = AskedReasons::default();
             },
             () = interrupts.next() => break Ok(()),
             _ = looks.tick() => {}
@@ -123,11 +125,11 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
 }
 
 /// What operators name of a cell; none of a line.
-fn names(path: &Path, line: &Line) -> miette::Result<Option<CellNames>> {
+fn names(path: &Path, line: &Line) -> miette::Result<Option<CellChoices>> {
     let Some(cell) = load::cell_of(path, line)? else { return Ok(None) };
     let products = cell.part_types.iter().map(|of| of.name.clone()).collect();
     let resources = cell.resources.iter().map(|of| of.name.clone()).collect();
-    Ok(Some(CellNames { products, resources }))
+    Ok(Some(CellChoices { products, resources }))
 }
 
 /// What the console keeps beside the newest states.
@@ -148,7 +150,7 @@ struct ConsoleLoop {
 }
 
 impl ConsoleLoop {
-    fn new(line: &Line, names: Option<CellNames>) -> Self {
+    fn new(line: &Line, names: Option<CellChoices>) -> Self {
         ConsoleLoop {
             clock: Clock::start(),
             view: ConsoleView::new(line, names, mode_name),

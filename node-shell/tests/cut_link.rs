@@ -78,14 +78,14 @@ impl Drop for Ended {
 }
 
 /// The publisher in the other namespace.
-struct Beside {
+struct PublisherBeside {
     to: ChildStdin,
     from: BufReader<ChildStdout>,
     _ended: Ended,
     _namespace: Ended,
 }
 
-impl Beside {
+impl PublisherBeside {
     fn start() -> Self {
         let mut holder = Command::new("unshare");
         holder.args(["-n", "sh", "-c", "echo there && exec sleep 300"]).stdout(Stdio::piped());
@@ -104,7 +104,7 @@ impl Beside {
         beside.args(["--exact", BESIDE, "--ignored", "--nocapture"]).stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = beside.spawn().expect("started");
         let (to, from) = (child.stdin.take().expect("piped"), child.stdout.take().expect("piped"));
-        Beside { to, from: BufReader::new(from), _ended: Ended(child), _namespace: holder }
+        PublisherBeside { to, from: BufReader::new(from), _ended: Ended(child), _namespace: holder }
     }
 
     /// Has it send one message, and waits until that is done.
@@ -155,7 +155,7 @@ fn inside_the_namespace() {
 }
 
 async fn cut() {
-    let mut beside = Beside::start();
+    let mut beside = PublisherBeside::start();
     let mut node = node("coordinator");
     let (to, mut obeyed) = mpsc::channel(1000);
     let commands = node.subscription("mode_cmd", qos::event()).expect("a subscription");

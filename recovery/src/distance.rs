@@ -1,7 +1,7 @@
 //! A lower bound: how many presses a station needs by itself, whatever the others do.
 //!
-//! Its own controller is played, without arrows and without measured positions, and with all inputs on that see stations: each
-//! of them only blocks. So no way in the line is shorter, and where nothing blocks it is as short.
+//! Its own controller is played, without arrows and without measured positions, and with all inputs on that see stations or
+//! hands, so that none of these blocks. So no way in the line is shorter, and where nothing blocks it is as short.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -28,7 +28,7 @@ pub(crate) fn pairs(line: &Line, tasks: &[(StationId, TaskId)]) -> Option<Vec<Or
     let is_seen = |station: StationId, input: InputId| {
         line.handling.sensors.iter().any(|sensor| (sensor.station, sensor.input) == (station, input))
     };
-    // A result is there when its motion has ended, whatever sees it.
+    // The chart assumes that each motion has its result.
     let waits_unseen = |of: &ChartedOp| line.operation(of.op).waits.iter().any(|&input| !is_seen(of.op.0, input));
     // What starts by such an input is too early in the chart, and so is all that follows from it.
     if tasks.len() > 1 && done.iter().any(waits_unseen) {

@@ -79,9 +79,9 @@ impl PageCommands {
         for effect in effects {
             match effect {
                 DeskEffect::Acknowledge { connection, shown, by, note } => {
-                    let log = format!("alarm acknowledged by {by}: {note}");
+                    let log = format!("acknowledged by {by}: {note}");
                     match of.view.acknowledge(now, shown, by, note) {
-                        Ok(()) => tracing::info!("console: {log}"),
+                        Ok(alarm) => tracing::info!("console: alarm `{alarm}` {log}"),
                         Err(why) => self.desk.not_acknowledged(connection, &why),
                     }
                 }

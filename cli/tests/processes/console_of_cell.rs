@@ -24,7 +24,6 @@ fn order<'p>(page: &'p Value, name: &str) -> Option<&'p Value> {
 #[test]
 fn an_order_is_submitted_goes_wrong_is_answered_and_is_finished_at_a_page() {
     let mut rig = cell("workcell-c1", 8.0);
-    rig.change("cell.toml", &[("max_s = 24", "max_s = 8"), ("max_s = 26", "max_s = 9")]);
     rig.start(&["--no-auto"]);
     let (mut process, address) = console(&rig);
     let mut page = PageOfConsole::open(&address);
@@ -54,7 +53,7 @@ fn an_order_is_submitted_goes_wrong_is_answered_and_is_finished_at_a_page() {
 
     let shown = page.wait("the alarm", |page| alarm(page).is_some());
     let of = alarm(&shown).expect("it is there");
-    assert!(of["text"].as_str().is_some_and(|text| text.starts_with("R came to M1 without part 1")), "{of:#}");
+    assert!(of["text"].as_str().is_some_and(|text| text.starts_with("R grasped no part at slot 1 of ST")), "{of:#}");
     assert_eq!(of["state"], "active, not acknowledged");
     let (number, id) = (of["number"].as_u64().expect("a number"), of["shown"].as_u64().expect("a number"));
     page.give(PageAct::Why { about: "rush".to_owned() });

@@ -161,17 +161,17 @@ reads.`,control_gone:"This page had control, and has it no more.",pressed:button
 e control over",give_up:"Give control up",read:"Read",no_control:"this page has no control; take it first (in the head of the page)",not_live:"the page shows wh\
 at is of before; nothing is given",hold_it:"hold",is_held:"held",console_buttons:"Buttons of the console",selector:manual=>`selector at ${manual?"manual":"auto"}`,
 selector_unknown:"selector unknown",plan:"The way back to auto",no_next:"no step that has a button here",since:why=>`since ${why}`,stands:how=>`if it stands so:\
- ${how}`,choose:"choose…",alarm:"Alarm",note:"Note",acknowledge:"Acknowledge: it is seen",acknowledged:of=>`${of.by}, ${of.age} ago${of.note&&`: ${of.note}`}`,
-choose_alarm:"choose the alarm first",answer:"Answer",give_answer:"Give the answer: it is done, and so it is",choose_answer:"choose an alarm of the cell and its\
- answer first",order_new:"New order",product:"Product",quantity:"Number of parts",order_name:"Name (optional)",due_minutes:"Due in minutes (optional)",submit:"S\
-ubmit the order",choose_product:"choose the product and a whole number of parts first",order_or_resource:"An order, or a resource",resource:"Resource",why:about=>about===
-void 0?"Why not?":`Why not? (${about})`,cancel:"Cancel the order",withdraw:"Withdraw the order",choose_order:"choose an order or a resource first",down:"Take ou\
-t of service",up:"Back into service",reset_resource:"Reset its station",choose_resource:"choose a resource first",ended_stalled:"released: the page was too busy\
-; hold it again",ended_lost:"released: no connection to the console; hold it again when it is back",ended_away:"released: the page was left; hold it again",ended_control:"\
-released: this page has no control any more",ended_left:"released: the pointer has left the button; hold it again",ended_second:"released: something else was to\
-uched meanwhile; let go, then hold it again",ended_cancelled:"released: the browser has taken the pointer; hold it again"},health={unknown:"unknown",emergency_stop:"\
-emergency stop",fault:"fault",left_out:"left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"under way back",halted:"b\
-egun, stands",stopped:"stopped before its end",unknown:"unknown"},command_labels={estop:"all outputs off — no safety function"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
+ ${how}`,choose:"choose…",alarm:"Alarm",note:"Note",acknowledge:"Acknowledge (seen)",acknowledged:of=>`${of.by}, ${of.age} ago${of.note&&`: ${of.note}`}`,choose_alarm:"\
+choose the alarm first",answer:"Answer",give_answer:"Give the answer",choose_answer:"choose an alarm of the cell and its answer first",order_new:"New order",product:"\
+Product",quantity:"Number of parts",order_name:"Name (optional)",due_minutes:"Due in minutes (optional)",submit:"Submit the order",choose_product:"choose the pr\
+oduct and a whole number of parts first",order_or_resource:"An order, or a resource",resource:"Resource",why:about=>about===void 0?"Why not?":`Why not? (${about}\
+)`,cancel:"Cancel the order",withdraw:"Withdraw the order",choose_order:"choose an order first",choose_order_or_resource:"choose an order or a resource first",down:"\
+Take out of service",up:"Back into service",reset_resource:"Reset its station",choose_resource:"choose a resource first",ended_stalled:"released: the page was t\
+oo busy; hold it again",ended_lost:"released: no connection to the console; hold it again when it is back",ended_away:"released: the page was left; hold it agai\
+n",ended_control:"released: this page has no control any more",ended_left:"released: the pointer has left the button; hold it again",ended_second:"released: som\
+ething else was touched meanwhile; let go, then hold it again",ended_cancelled:"released: the browser has taken the pointer; hold it again"},health={unknown:"un\
+known",emergency_stop:"emergency stop",fault:"fault",left_out:"left out",not_ready:"not ready",manual:"manual",ok:"ready"},kinds={moving:"under way",undoing:"un\
+der way back",halted:"begun, stands",stopped:"stopped before its end",unknown:"unknown"},command_labels={estop:"all outputs off — no safety function"};var f4=Symbol.for("pv"),o4=0;function a4(t5,e4,n3,u4,a5,i4){e4||(e4={});var c4,l4,p5=e4;if("ref"in p5&&typeof t5!="function")for(l4 in p5={},e4)l4=="ref"?c4=e4[l4]:p5[l4]=e4[l4];var s4={type:t5,
 props:p5,key:n3,ref:c4,__k:null,__:null,__b:0,__e:null,__c:null,constructor:f4,__v:--o4,__i:-1,__u:0};return(a5||i4)&&(s4.__source=a5,s4.__self=i4),n.vnode&&n.vnode(
 s4),s4}var WINDOWS_S=[12,30,60,120],WIDTH=1e3,HEIGHT=18,window_s=y3(30);function bar(stretch,now_ms,span_ms){let x3=at2=>WIDTH*(1-(now_ms-at2)/span_ms),from=Math.max(0,
 x3(stretch.from_ms)),to=x3(stretch.to_ms??now_ms);return to<=0?null:a4("rect",{class:`bar ${stretch.kind}`,x:from,y:"2",width:Math.max(to-from,1),height:HEIGHT-
@@ -243,23 +243,24 @@ onChange:event=>choose(name2,event.target.value),children:[a4("option",{value:""
 value2))]})]})}function Entry({name:name2,label,type,max}){return a4("label",{class:"choose",children:[label,a4("input",{type:"text",inputMode:type==="number"?"\
 numeric":"text",maxLength:max,value:choice(name2),"data-choice":name2,onInput:event=>choose(name2,event.target.value)})]})}function whole(text){return/^\d{1,9}$/.
 test(text)?Number(text):null}function button(key,label,act,missing){return{key,label,act:act??{give_up:{}},why_not:act===null?missing:null}}var cut=text=>text.length>
-70?`${text.slice(0,69)}…`:text;function AlarmForms({page}){let alarm=page.alarms.find(of=>String(of.shown)===choice("alarm")),answer=alarm?.answers.find(of=>of.
-answer===choice("answer")),acknowledge=alarm===void 0?null:{acknowledge:{shown:alarm.shown,note:choice("note")}},answered=alarm?.number==null||answer===void 0?null:
-{answer:{alarm:alarm.number,word:answer.answer}};return a4("section",{class:"forms",children:[a4(Choice,{name:"alarm",label:t4.alarm,of:page.alarms.map(of=>[String(
-of.shown),cut(`${of.source}: ${of.text}`)])}),a4(Entry,{name:"note",label:t4.note,type:"text",max:100}),a4(Acts,{page,of:[button("acknowledge",t4.acknowledge,acknowledge,
-t4.choose_alarm)]}),page.is_cell&&a4($,{children:[a4(Choice,{name:"answer",label:t4.answer,of:(alarm?.answers??[]).map(of=>[of.answer,of.answer])}),a4("p",{class:"\
-value fixed",id:"chosen-answer",children:answer&&[answer.meaning,answer.verdict,answer.why].filter(Boolean).join("; ")}),a4(Acts,{page,of:[button("answer",t4.give_answer,
-answered,t4.choose_answer)]})]})]})}function CellForms({page,cell}){let product=cell.products.find(of=>of===choice("product")),[quantity,due]=[whole(choice("qua\
-ntity")),whole(choice("due"))],due_s=due===null?void 0:due*60,is_due_read=due!==null||choice("due")==="",submitted=product===void 0||quantity===null||!is_due_read?
-null:{submit:{product,quantity,name:choice("order name"),due_s}},open=cell.orders.filter(of=>!of.is_over),order=open.find(of=>of.name===choice("order"))?.name,resource=cell.
-resources.find(of=>of===choice("resource")),about=order??resource,of_resource=to=>resource===void 0?null:{resource:{resource,to}};return a4("section",{class:"fo\
-rms",children:[a4("h2",{children:t4.order_new}),a4(Choice,{name:"product",label:t4.product,of:cell.products.map(of=>[of,of])}),a4(Entry,{name:"quantity",label:t4.
-quantity,type:"number",max:9}),a4(Entry,{name:"order name",label:t4.order_name,type:"text",max:60}),a4(Entry,{name:"due",label:t4.due_minutes,type:"number",max:9}),
-a4(Acts,{page,of:[button("submit",t4.submit,submitted,t4.choose_product)]}),a4("h2",{children:t4.order_or_resource}),a4(Choice,{name:"order",label:t4.order,of:open.
-map(of=>[of.name,of.name])}),a4(Choice,{name:"resource",label:t4.resource,of:cell.resources.map(of=>[of,of])}),a4(Acts,{page,of:[button("why",t4.why(about),about===
-void 0?null:{why:{about}},t4.choose_order)]}),a4(Acts,{page,of:[button("cancel",t4.cancel,order===void 0?null:{cancel:{order}},t4.choose_order),button("withdraw",
-t4.withdraw,order===void 0?null:{withdraw:{order}},t4.choose_order)]}),a4(Acts,{page,of:[button("resource down",t4.down,of_resource("down"),t4.choose_resource),
-button("resource up",t4.up,of_resource("up"),t4.choose_resource),button("resource reset",t4.reset_resource,of_resource("reset"),t4.choose_resource)]})]})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
+70?`${text.slice(0,69)}…`:text;function AlarmForms({page}){let alarm=page.alarms.find(of=>String(of.shown)===choice("alarm")),answer_to=`answer to ${alarm?.shown??
+""}`,answer=alarm?.answers.find(of=>of.answer===choice(answer_to)),acknowledge=alarm===void 0?null:{acknowledge:{shown:alarm.shown,note:choice("note")}},answered=alarm?.
+number==null||answer===void 0?null:{answer:{alarm:alarm.number,word:answer.answer}};return a4("section",{class:"forms",children:[a4(Choice,{name:"alarm",label:t4.
+alarm,of:page.alarms.map(of=>[String(of.shown),cut(`${of.source}: ${of.text}`)])}),a4(Entry,{name:"note",label:t4.note,type:"text",max:100}),a4(Acts,{page,of:[button(
+"acknowledge",t4.acknowledge,acknowledge,t4.choose_alarm)]}),page.is_cell&&a4($,{children:[a4(Choice,{name:answer_to,label:t4.answer,of:(alarm?.answers??[]).map(
+of=>[of.answer,of.answer])}),a4("p",{class:"value fixed",id:"chosen-answer",children:answer&&[answer.meaning,answer.verdict,answer.why].filter(Boolean).join("; ")}),
+a4(Acts,{page,of:[button("answer",t4.give_answer,answered,t4.choose_answer)]})]})]})}function CellForms({page,cell}){let product=cell.products.find(of=>of===choice(
+"product")),[quantity,due]=[whole(choice("quantity")),whole(choice("due"))],due_s=due===null?void 0:due*60,is_due_read=due!==null||choice("due")==="",submitted=product===
+void 0||quantity===null||!is_due_read?null:{submit:{product,quantity,name:choice("order name"),due_s}},open=cell.orders.filter(of=>!of.is_over),order=open.find(
+of=>of.name===choice("order"))?.name,resource=cell.resources.find(of=>of===choice("resource")),about=order??resource,of_resource=to=>resource===void 0?null:{resource:{
+resource,to}};return a4("section",{class:"forms",children:[a4("h2",{children:t4.order_new}),a4(Choice,{name:"product",label:t4.product,of:cell.products.map(of=>[
+of,of])}),a4(Entry,{name:"quantity",label:t4.quantity,type:"number",max:9}),a4(Entry,{name:"order name",label:t4.order_name,type:"text",max:60}),a4(Entry,{name:"\
+due",label:t4.due_minutes,type:"number",max:9}),a4(Acts,{page,of:[button("submit",t4.submit,submitted,t4.choose_product)]}),a4("h2",{children:t4.order_or_resource}),
+a4(Choice,{name:"order",label:t4.order,of:open.map(of=>[of.name,of.name])}),a4(Choice,{name:"resource",label:t4.resource,of:cell.resources.map(of=>[of,of])}),a4(
+Acts,{page,of:[button("why",t4.why(about),about===void 0?null:{why:{about}},t4.choose_order_or_resource)]}),a4(Acts,{page,of:[button("cancel",t4.cancel,order===
+void 0?null:{cancel:{order}},t4.choose_order),button("withdraw",t4.withdraw,order===void 0?null:{withdraw:{order}},t4.choose_order)]}),a4(Acts,{page,of:[button(
+"resource down",t4.down,of_resource("down"),t4.choose_resource),button("resource up",t4.up,of_resource("up"),t4.choose_resource),button("resource reset",t4.reset_resource,
+of_resource("reset"),t4.choose_resource)]})]})}function ModeBlock({page}){let{mode}=page;return a4("section",{class:"mode","aria-label":t4.mode,children:[a4("p",{class:mode.is_known?"value text":"value text \
 is-unknown",children:mode.text}),mode.is_enabled===!1&&a4(Named,{head:t4.not_all,of:mode.waiting_for}),mode.refusal&&a4("p",{class:"value",children:mode.refusal}),
 a4(Named,{head:t4.left_out,of:mode.left_out}),a4(Named,{head:t4.restarted,of:mode.restarted}),mode.is_known&&!page.is_cell&&a4("p",{children:[t4.cycle,": ",a4("\
 span",{class:"value",children:mode.cycle?`${mode.cycle.duration_s.toFixed(1)} s (${mode.cycle.number})`:t4.no_cycle})]}),page.next&&a4("p",{class:"next",children:[

@@ -61,7 +61,9 @@ const cut = (text: string) => (text.length > 70 ? `${text.slice(0, 69)}…` : te
 
 export function AlarmForms({ page }: { page: Page }) {
   const alarm: Alarm | undefined = page.alarms.find((of) => String(of.shown) === choice("alarm"));
-  const answer = alarm?.answers.find((of) => of.answer === choice("answer"));
+  // An answer is chosen for one alarm, and for no other after it.
+  const answer_to = `answer to ${alarm?.shown ?? ""}`;
+  const answer = alarm?.answers.find((of) => of.answer === choice(answer_to));
   const acknowledge = alarm === undefined ? null : { acknowledge: { shown: alarm.shown, note: choice("note") } };
   const answered = alarm?.number == null || answer === undefined ? null : { answer: { alarm: alarm.number, word: answer.answer } };
   return (
@@ -71,7 +73,7 @@ export function AlarmForms({ page }: { page: Page }) {
       <Acts page={page} of={[button("acknowledge", t.acknowledge, acknowledge, t.choose_alarm)]} />
       {page.is_cell && (
         <>
-          <Choice name="answer" label={t.answer} of={(alarm?.answers ?? []).map((of) => [of.answer, of.answer])} />
+          <Choice name={answer_to} label={t.answer} of={(alarm?.answers ?? []).map((of) => [of.answer, of.answer])} />
           <p class="value fixed" id="chosen-answer">
             {answer && [answer.meaning, answer.verdict, answer.why].filter(Boolean).join("; ")}
           </p>
@@ -105,7 +107,7 @@ export function CellForms({ page, cell }: { page: Page; cell: Cell }) {
       <h2>{t.order_or_resource}</h2>
       <Choice name="order" label={t.order} of={open.map((of) => [of.name, of.name])} />
       <Choice name="resource" label={t.resource} of={cell.resources.map((of) => [of, of])} />
-      <Acts page={page} of={[button("why", t.why(about), about === undefined ? null : { why: { about } }, t.choose_order)]} />
+      <Acts page={page} of={[button("why", t.why(about), about === undefined ? null : { why: { about } }, t.choose_order_or_resource)]} />
       <Acts
         page={page}
         of={[

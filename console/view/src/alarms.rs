@@ -98,7 +98,7 @@ impl LineAlarm {
     }
 }
 
-/// Most alarms of nodes that are not received now.
+/// Alarms that are remembered while they are not shown, less those shown.
 const KNOWN_MAX: usize = 1000;
 
 /// What alarms are about that a station reports, and that something is not received.
@@ -141,12 +141,14 @@ struct KnownAlarm {
     since: Duration,
     /// The operator, the note, and when.
     acknowledged: Option<(String, String, Duration)>,
+    /// Its text as shown last.
+    text: String,
 }
 
 /// The alarms that are shown: since when, and which are acknowledged.
 ///
-/// An alarm that is gone is forgotten with its acknowledgement: if it comes again it is another one. Those of a node that is not received
-/// are neither.
+/// An alarm that is gone is forgotten with its acknowledgement: if it comes again it is another one. Alarms of a node that is not
+/// received are kept, with their acknowledgements.
 #[derive(Debug, Default)]
 pub(crate) struct AlarmBook {
     known: BTreeMap<String, KnownAlarm>,
@@ -177,14 +179,20 @@ impl AlarmBook {
         let last = &mut self.last;
         self.known.entry(key.to_owned()).or_insert_with(|| {
             *last += 1;
-            KnownAlarm { shown: *last, since: now, acknowledged: None }
+            KnownAlarm { shown: *last, since: now, acknowledged: None, text: String::new() }
         })
     }
 
     /// Puts number and acknowledgement to the alarms of a page, all that there are. `silent`: sources that are not received.
     pub fn finish(&mut self, now: Duration, alarms: &mut [AlarmPart], silent: &[&str]) {
         for alarm in alarms.iter_mut() {
-            let known = self.known(now, &alarm.key).clone();
+            let known = self.known(now, &alarm.key);
+            // Another text about the whole line is another cause, which no person has seen.
+            if known.text != alarm.text {
+                known.acknowledged.take_if(|_| alarm.source == "line");
+                known.text.clone_from(&alarm.text);
+            }
+            let known = known.clone();
             alarm.shown = known.shown;
             alarm.acknowledged = known.acknowledged.map(|(by, note, at)| AcknowledgePart {
                 by,
@@ -194,11 +202,8 @@ impl AlarmBook {
             alarm.state = if alarm.acknowledged.is_some() { ACKNOWLEDGED } else { ACTIVE };
         }
         let is_shown = |key: &str| alarms.iter().any(|alarm| alarm.key == key);
-        // That something is not received is known of the console itself.
-        let is_silent = |key: &str| {
-            let source = silent.iter().find_map(|source| key.strip_prefix(source)?.strip_prefix(' '));
-            source.is_some_and(|what| !what.starts_with(NOT_RECEIVED))
-        };
+        let is_silent =
+            |key: &str| silent.iter().any(|of| key.strip_prefix(of).is_some_and(|what| what.starts_with(' ')));
         let mut room = KNOWN_MAX;
         self.known.retain(|key, _| {
             let is_kept = is_shown(key) || (room > 0 && is_silent(key));
@@ -207,15 +212,15 @@ impl AlarmBook {
         });
     }
 
-    /// Acknowledges the alarm with this number of the page.
+    /// Acknowledges the alarm with this number of the page. Gives its key.
     ///
     /// # Errors
     /// When there is none any more.
-    pub fn acknowledge(&mut self, now: Duration, shown: u64, by: String, note: String) -> Result<(), String> {
-        let known = self.known.values_mut().find(|known| known.shown == shown);
-        let known = known.ok_or_else(|| "not acknowledged: the alarm is over".to_owned())?;
+    pub fn acknowledge(&mut self, now: Duration, shown: u64, by: String, note: String) -> Result<&str, String> {
+        let known = self.known.iter_mut().find(|(_, known)| known.shown == shown);
+        let (key, known) = known.ok_or_else(|| "not acknowledged: the alarm is over".to_owned())?;
         known.acknowledged = Some((by, note, now));
-        Ok(())
+        Ok(key)
     }
 }
 
@@ -269,7 +274,8 @@ fn of_cell_one(of: &AlarmState, now: f64) -> AlarmPart {
         answer
     };
     let age = span(now - seconds(&of.raised));
-    let key = format!("cell {}", of.id);
+    // With its time: a cell that was started anew without its log numbers its alarms from 1 again.
+    let key = format!("cell {} {}", of.id, seconds(&of.raised));
     AlarmPart {
         number: Some(of.id),
         answers: permitted(of).iter().take(bounds::LIST_MAX).map(AnswerJson::from).map(bounded).collect(),

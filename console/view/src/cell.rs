@@ -11,7 +11,7 @@ use crate::texts::{ReasonsByResource, due, is_over, left_out, of_order, of_part,
 
 /// What operators name of a cell, by its description.
 #[derive(Clone, Debug, Default)]
-pub struct CellNames {
+pub struct CellChoices {
     /// Part types that can be ordered.
     pub products: Vec<String>,
     pub resources: Vec<String>,
@@ -87,7 +87,7 @@ pub(crate) fn now_of(cell: Aged<'_, CellState>) -> f64 {
 }
 
 impl CellPart {
-    pub(crate) fn of(cell: Aged<'_, CellState>, out: &ReasonsByResource, names: &CellNames) -> Self {
+    pub(crate) fn of(cell: Aged<'_, CellState>, out: &ReasonsByResource, names: &CellChoices) -> Self {
         let (state, now) = (cell.state, now_of(cell));
         let part = |of: &PartState| ShownPart {
             part: of.id,

@@ -50,7 +50,7 @@ pub use aged::{Aged, CELL_FRESH, state_fresh};
 pub use alarms::{AcknowledgePart, AlarmPart, AlarmPriority};
 pub use answers::{AnswerJson, answers, permitted, verdict};
 pub use bounds::{LIST_MAX, TEXT_MAX};
-pub use cell::{CellNames, CellPart, ShownActivity, ShownOrder, ShownOutage, ShownPart};
+pub use cell::{CellChoices, CellPart, ShownActivity, ShownOrder, ShownOutage, ShownPart};
 pub use desk::{ConnectionNumber, ControlDesk, ControlPart, DeskEffect, DeskNote, HolderPart, PressPart};
 pub use frame::{PageChange, PageFeed, PageFrame, PageFrameError, PageReader};
 pub use hold::{
@@ -65,7 +65,7 @@ pub use operate::{
 };
 pub use page::{ConsolePage, CyclePart, ModePart, StationHealth, StationPart};
 pub use plan::{INERT_FOR, PlanPart, PlanStepPart};
-pub use request::{CellRequest, NOTE_MAX, ResourceCommand};
+pub use request::{CellRequest, ResourceCommand};
 pub use texts::{
     OWN_EMERGENCY_STOP, ReasonsByResource, SELECTOR_AT_MANUAL, coordinator_not_received, due, is_over, left_out,
     of_order, of_part, refusal, seconds, span, station_not_received, waits,

@@ -27,7 +27,8 @@ pub struct PlanPart {
     pub next: Option<usize>,
     /// Its button, where it has one.
     pub button: Option<OperateButton>,
-    /// Number of the step that comes next, named by what is done at its button. It grows with each change; 0 before it is shown.
+    /// Number of the step that comes next, named by what is done at its button. It grows with each change, and
+    /// with whatever is given or released; 0 before it is shown.
     pub step: u64,
 }
 

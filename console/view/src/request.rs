@@ -9,7 +9,7 @@ use crate::message::PageAct;
 use crate::texts::is_over;
 
 /// Most characters of an operator's note.
-pub const NOTE_MAX: usize = 100;
+pub(crate) const NOTE_MAX: usize = 100;
 
 /// Longest time from a submission to its due date, in s.
 const DUE_MAX: u32 = 1_000_000_000;

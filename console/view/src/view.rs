@@ -9,7 +9,7 @@ use linewright_msgs::{CellState, CycleTime, LineState, StationState};
 use crate::aged::{Aged, CELL_FRESH, state_fresh};
 use crate::alarms::{AlarmBook, AlarmPriority, FAULT, LineAlarm, NOT_RECEIVED, of_cell, of_line};
 use crate::bounds;
-use crate::cell::{CellNames, CellPart, now_of};
+use crate::cell::{CellChoices, CellPart, now_of};
 use crate::desk::ControlPart;
 use crate::lanes::LaneRecorder;
 use crate::next::{NextStep, asks_to_confirm};
@@ -48,7 +48,7 @@ pub struct ConsoleInputs<'s> {
 pub struct ConsoleView {
     line: Line,
     /// Of a flexible cell.
-    names: Option<CellNames>,
+    names: Option<CellChoices>,
     mode_name: fn(u8) -> &'static str,
     lanes: LaneRecorder,
     alarms: AlarmBook,
@@ -75,16 +75,16 @@ impl ConsoleInputs<'_> {
 impl ConsoleView {
     /// A view of this line. `names`: of a flexible cell, what can be ordered and taken out of service. `mode_name`: the name of a mode by
     /// its number in the messages.
-    pub fn new(line: &Line, names: Option<CellNames>, mode_name: fn(u8) -> &'static str) -> Self {
+    pub fn new(line: &Line, names: Option<CellChoices>, mode_name: fn(u8) -> &'static str) -> Self {
         let (lanes, alarms) = (LaneRecorder::new(line), AlarmBook::default());
         ConsoleView { line: line.clone(), names, mode_name, lanes, alarms }
     }
 
-    /// Acknowledges an alarm, by its number on the page.
+    /// Acknowledges an alarm, by its number on the page. Gives its source and what it is about.
     ///
     /// # Errors
     /// When it is over.
-    pub fn acknowledge(&mut self, now: Duration, shown: u64, by: String, note: String) -> Result<(), String> {
+    pub fn acknowledge(&mut self, now: Duration, shown: u64, by: String, note: String) -> Result<&str, String> {
         self.alarms.acknowledge(now, shown, by, note)
     }
 
@@ -116,7 +116,7 @@ impl ConsoleView {
         let mut alarms = self.alarms.aged(of.now, alarms);
         alarms.extend(cell.into_iter().flat_map(|cell| of_cell(cell.state, now_of(cell))));
         alarms.sort_by_key(|alarm| alarm.priority);
-        let unheard = stations.iter().filter(|of| of.health == StationHealth::Unknown).map(|of| of.name.as_str());
+        let unheard = stations.iter().filter(|of| of.health == StationHealth::Unknown).map(|of| of.label.as_str());
         let silent =
             [("line", line.is_none()), ("cell", cell_unknown.is_some())].into_iter().filter(|(_, is_so)| *is_so);
         let silent: Vec<&str> = silent.map(|(name, _)| name).chain(unheard).collect();

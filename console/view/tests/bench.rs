@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_console_view::{Aged, CellNames, ConsoleInputs, ConsolePage, ConsoleView, state_fresh};
+use linewright_console_view::{Aged, CellChoices, ConsoleInputs, ConsolePage, ConsoleView, state_fresh};
 use linewright_line::{Line, StationId};
 use linewright_msgs::{CellState, LineState, StationState};
 
@@ -12,8 +12,8 @@ pub fn ms(of: u64) -> Duration {
 }
 
 /// What the cell of a test has.
-pub fn names() -> CellNames {
-    CellNames { products: vec!["A".to_owned()], resources: vec!["M1".to_owned(), "R".to_owned()] }
+pub fn names() -> CellChoices {
+    CellChoices { products: vec!["A".to_owned()], resources: vec!["M1".to_owned(), "R".to_owned()] }
 }
 
 /// States with the times at which they were received.

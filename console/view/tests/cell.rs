@@ -85,7 +85,7 @@ fn an_alarm_has_every_field_that_is_reported() {
     let found: Vec<&serde_json::Value> = alarms.iter().filter(|alarm| !alarm["number"].is_null()).collect();
     assert_eq!((&found[0]["number"], &found[1]["number"]), (&json!(9), &json!(4)), "the newest first");
     let expected = json!({
-        "key": "cell 4",
+        "key": "cell 4 940",
         "source": "cell",
         "priority": 2,
         "priority_text": "medium",

@@ -244,7 +244,7 @@ impl CoordinatorShell {
             }
             // Buttons that were held before the gap may have been released in it, or not.
             CoordinatorArrival::Buttons { console, held } if is_doubtful => {
-                self.buttons.offer_late(console, held != 0);
+                self.buttons.offer_late(now, console, held != 0, self.stale);
                 self.coordinator.handle(now, ModeInput::LateButtons(held));
             }
             CoordinatorArrival::Buttons { console, held } => self.buttons(now, console, held),

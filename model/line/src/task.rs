@@ -133,7 +133,7 @@ impl Station {
         self.steps[self.task(task).steps.clone()].iter().flatten().copied()
     }
 
-    /// The result that must be there before a step starts: that of the operation before it in its task.
+    /// The result that must be there in auto before a step starts: that of the operation before it in its task.
     pub fn result_before(&self, step: usize) -> Option<(OpId, MotionResult)> {
         let task = self.tasks.iter().find(|task| task.steps.contains(&step))?;
         let before = step.checked_sub(1).filter(|before| task.steps.contains(before))?;

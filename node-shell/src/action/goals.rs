@@ -114,6 +114,14 @@ impl<R: Clone, W> Goals<R, W> {
         Some((response, new))
     }
 
+    /// A cancellation is not followed. False if the goal was not being cancelled.
+    pub(super) fn goes_on(&mut self, goal_id: GoalId) -> bool {
+        let cancelled =
+            |goal: &&mut GoalRecord<R, W>| goal.info.goal_id == goal_id && goal.status == GoalStatusEnum::Canceling;
+        let goal = self.goals.iter_mut().find(cancelled);
+        goal.map(|goal| goal.status = GoalStatusEnum::Executing).is_some()
+    }
+
     /// Gives the result of a goal if it is there, else keeps `who` for it. `None` without a result, or if the goal is
     /// unknown.
     pub(super) fn ask(&mut self, goal_id: GoalId, who: W) -> Option<(GoalStatusEnum, R, W)> {
@@ -195,6 +203,19 @@ mod tests {
         assert!(goals.end(ids[0], GoalEnd::Succeeded, 43).is_none(), "an end is an end");
         let (status, result, who) = goals.ask(ids[0], 3).expect("known");
         assert_eq!((status, result, who), (GoalStatusEnum::Canceled, 42, 3));
+    }
+
+    #[test]
+    fn a_goal_whose_cancellation_is_not_followed_can_be_cancelled_again() {
+        let (mut goals, ids) = goals(2);
+        let one = GoalInfo { goal_id: ids[0], stamp: Time::ZERO };
+        assert!(!goals.goes_on(ids[0]), "it was not being cancelled");
+        for _ in 0..2 {
+            let (_, new) = goals.cancel(&one).expect("it is known");
+            assert_eq!(new, [ids[0]]);
+            assert!(goals.goes_on(ids[0]));
+            assert_eq!(goals.find(ids[0]).map(|goal| goal.status), Some(GoalStatusEnum::Executing));
+        }
     }
 
     #[test]

@@ -65,6 +65,8 @@ pub enum GoalAsked<G> {
 enum GoalUpdate<A: RosAction> {
     Feedback(GoalHandle, A::Feedback),
     End(GoalHandle, GoalEnd, A::Result),
+    /// It goes on although its cancellation was asked for.
+    GoesOn(GoalHandle),
 }
 
 /// The owner's side of an action that is served.
@@ -75,6 +77,11 @@ impl<A: RosAction> ActionOwner<A> {
     pub fn feedback(&self, goal: GoalHandle, feedback: A::Feedback) {
         // The server has ended: the process is ending.
         let _ = self.0.send(GoalUpdate::Feedback(goal, feedback));
+    }
+
+    /// A cancellation that is not followed: the goal is executing again, and a later cancellation is passed on. Never waits.
+    pub fn goes_on(&self, goal: GoalHandle) {
+        let _ = self.0.send(GoalUpdate::GoesOn(goal));
     }
 
     /// Ends a goal, and answers the clients that wait for its result. Never waits. Only the first end of a goal counts.
@@ -237,6 +244,11 @@ impl<A: RosAction> Serving<A> {
                 let sent = self.action.servers[0].send_feedback(goal_id, WireMessage(feedback));
                 if let Err(error) = sent {
                     tracing::debug!("{}: feedback not sent: {error}", self.action.name);
+                }
+            }
+            GoalUpdate::GoesOn(GoalHandle(goal_id)) => {
+                if self.goals.goes_on(goal_id) {
+                    self.publish_status();
                 }
             }
             GoalUpdate::End(GoalHandle(goal_id), ended, result) => {

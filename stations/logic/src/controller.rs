@@ -54,7 +54,7 @@ pub enum StationInput<'a> {
     View(StationId, &'a StationReport),
     /// The station's panel, by message.
     Panel(PanelCommand),
-    /// Two consoles send a button of its panel; it counts for neither. Until then, if nothing more of both is received.
+    /// Two consoles send a button of the panel, which counts for neither; named in `blocked_by` until this time.
     TwoConsoles(Tick),
     /// An operator's confirmation of where the station stands, with the parameters of the task that it stands in.
     Rejoin(RejoinAt, &'a [(Arc<str>, i32)]),
@@ -261,7 +261,10 @@ impl Controller {
                 self.commands.contest(contest);
                 self.due.report = true;
             }
-            StationInput::Gap => self.commands.end_lease(now),
+            StationInput::Gap => {
+                self.commands.end_lease(now);
+                self.result_after_gap(now);
+            }
             StationInput::View(station, report) => {
                 let me = (self.program.station, self.boot_id);
                 let answer = |views: &PeerViews| views.peers.iter().find(|v| v.station == station).map(|v| v.answer);

@@ -146,7 +146,7 @@ pub(crate) struct Commands {
     retract: HeldButton,
     /// Held at a console; by order.
     resume: HeldButton,
-    /// Two consoles send a button of the panel, until then.
+    /// Until then `blocked_by` names two consoles at the panel.
     two_consoles: Tick,
     selector: bool,
     /// From the station's own inputs: manual, advance, return.

@@ -13,7 +13,8 @@
 //! ```
 //!
 //! An order that is given up has not ended before the station stands: until then it is in the slot, and in no result. It fails
-//! with the code of the inputs that it waited for, if it did, the result of a motion before others; else because its time was over, or because it was ordered to leave it.
+//! with the code of what it waited for (a result before other inputs); else because its time was over, or because it was ordered to
+//! leave it.
 //! When its time is over the station goes no way by itself: another station of the same activity may rely on where it stands, which
 //! the coordinator alone can see. One that its time or a fault has ended may be ordered to secure once; it is in the slot again
 //! until it stands, and copies of that message start nothing later. An order to stop is in `stop`.
@@ -449,7 +450,9 @@ impl Controller {
 
     /// The code of the inputs that the order waits for.
     fn waited_for(&self) -> Option<u16> {
-        if let Some(result) = self.missing_result() {
+        // Before its time, or while the inputs are not known, a result is not missing yet.
+        let is_due = self.image.valid && self.slot().is_some_and(|slot| slot.result_due <= self.now);
+        if let Some(result) = self.missing_result().filter(|_| is_due) {
             return Some(result.code);
         }
         let step = self.next_step().filter(|&step| self.missing(step) != 0)?;

@@ -13,7 +13,7 @@ use linewright_node_line::{kind_of, order_from_message, report_from_message, rep
 use linewright_node_shell::{
     Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
 };
-use linewright_station_logic::{CompileError, HappeningKind, PanelCommand, Restore, StationHappening};
+use linewright_station_logic::{CompileError, HappeningKind, LeaveWay, PanelCommand, Restore, StationHappening};
 use linewright_station_shell::{Driven, StationArrival, StationEffect, StationShell};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -301,7 +301,8 @@ impl StationLoop {
                 }
                 self.ignore(format!("task order: {REFUSED_SENDER}"));
             }
-            StationInbound::Secure(_, _, from) if !self.shell.takes_tasks_of(from) => {
+            // A stop only takes away: it is obeyed whichever node sends it, as the emergency stop is.
+            StationInbound::Secure(_, way, from) if way != LeaveWay::Stop && !self.shell.takes_tasks_of(from) => {
                 self.ignore(format!("order to leave a task: {REFUSED_SENDER}"));
             }
             StationInbound::Goal(asked) => {

@@ -24,8 +24,8 @@ use tokio::sync::mpsc;
 use crate::topics::StationInbound;
 
 /// Reason why an order, or an order to leave one, of another sender than the coordinator is not taken.
-pub(crate) const REFUSED_SENDER: &str = "rejected: not from the coordinator that the station follows; a line whose stations take tasks from \
-     other nodes too has `orders = \"any\"` in the station's table";
+pub(crate) const REFUSED_SENDER: &str = "rejected: not from the coordinator that the station follows; for another dispatcher, set \
+     `orders = \"any\"` in the station's table";
 
 /// A command to the controller, as it came.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,13 +84,15 @@ impl TaskOrderTopics {
         Ok(TaskOrderTopics { owner, state, goals: Vec::new(), told: None, report: StationReport::default(), message })
     }
 
-    /// Ends a goal of a sender whose orders are not taken. Only this goal: the coordinator may have one of the same order.
+    /// Ends a goal of a sender whose orders are not taken, or lets one go on that it would cancel. Only this goal: the coordinator may have one of the same order.
     pub fn refuse_sender(&self, request: GoalRequest<RunTaskGoal>) {
-        if let GoalAsked::New(wanted) = request.asked {
-            let RunTaskGoal { epoch, id, .. } = wanted;
-            let (end, code) = (RunTaskResult::END_REFUSED, RunTaskResult::REFUSED_SENDER);
-            let text = REFUSED_SENDER.to_owned();
-            self.owner.end(request.goal, GoalEnd::Aborted, RunTaskResult { epoch, id, end, code, text });
+        match request.asked {
+            GoalAsked::New(RunTaskGoal { epoch, id, .. }) => {
+                let (end, code) = (RunTaskResult::END_REFUSED, RunTaskResult::REFUSED_SENDER);
+                let text = REFUSED_SENDER.to_owned();
+                self.owner.end(request.goal, GoalEnd::Aborted, RunTaskResult { epoch, id, end, code, text });
+            }
+            GoalAsked::Cancel => self.owner.goes_on(request.goal),
         }
     }
 

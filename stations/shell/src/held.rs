@@ -1,11 +1,8 @@
 //! Buttons that are held by message, by one console at a time.
 //!
-//! A finger that holds a button leads what moves by it. Two consoles whose messages come in turn would each end and begin that anew: a
-//! release of the one looks like that of the other, and the message after it like a press. So it has to be known whose it is: while one
-//! console holds a button a message of another one, held or released, ends that, and neither counts before it was released by the console
-//! itself. A message that only stops is always obeyed.
-//!
-//! How long a held button counts after its last message is no question of this: the controllers decide it.
+//! Messages of two consoles may alternate: the release of one would look like that of the other, and the next message like a press. So
+//! while one console holds a button, a message of another one, held or released, ends that. Each console that holds it must release it
+//! itself before it counts.
 
 use std::time::Duration;
 
@@ -19,7 +16,7 @@ const OWING_MAX: usize = 8;
 pub enum HeldPass {
     /// For what is in it.
     Taken,
-    /// For a release: another console held the button, and both have to let go.
+    /// For a release: another console held the button. Each that holds it must release it.
     Second,
     /// For a release: its console has to let go first.
     Unreleased,
@@ -30,47 +27,54 @@ pub enum HeldPass {
 pub struct HeldByOne {
     /// The console that holds it, and until when its last message counts.
     holder: Option<(u64, Tick)>,
-    /// Consoles that have held it while it could not count, and have not released it since.
-    owing: Vec<u64>,
+    /// Consoles that have held it while it could not count, and have not released it since, each with the time until which its last
+    /// message shows it held. The one received last stands last.
+    owing: Vec<(u64, Tick)>,
 }
 
 impl HeldByOne {
     /// Takes a message of a console, which counts for `term`.
     pub fn offer(&mut self, now: Tick, console: u64, held: bool, term: Duration) -> HeldPass {
         let other = self.holder.filter(|(of, _)| *of != console);
-        if let Some((of, _)) = other {
+        if let Some((of, until)) = other {
             self.holder = None;
-            self.owes(of);
+            self.owes(of, until);
         }
         let is_ended = other.is_some_and(|(_, until)| now < until);
+        // One that does not count and is still held: with another press beside it a motion would begin, and end with its next message.
+        let is_beside = held && self.owing.iter().any(|(of, until)| *of != console && now < *until);
+        let is_owing = self.owing.iter().any(|(of, _)| *of == console);
         if !held {
             self.holder = None;
-            self.owing.retain(|of| *of != console);
-        } else if is_ended {
-            self.owes(console);
-        } else if !self.owing.contains(&console) {
+            self.owing.retain(|(of, _)| *of != console);
+        } else if is_ended || is_beside || is_owing {
+            self.owes(console, now + term);
+        } else {
             self.holder = Some((console, now + term));
         }
         match () {
-            () if is_ended => HeldPass::Second,
-            () if held && self.owing.contains(&console) => HeldPass::Unreleased,
+            () if is_ended || is_beside => HeldPass::Second,
+            () if held && is_owing => HeldPass::Unreleased,
             () => HeldPass::Taken,
         }
     }
 
-    /// A message of an unknown time: its console has to release the button before it counts.
-    pub fn offer_late(&mut self, console: u64, held: bool) {
+    /// A message of an unknown time: the console that held the button before, and this one if it holds it, have to release it before it
+    /// counts.
+    pub fn offer_late(&mut self, now: Tick, console: u64, held: bool, term: Duration) {
+        if let Some((of, until)) = self.holder.take() {
+            self.owes(of, until);
+        }
         if held {
-            self.holder = self.holder.filter(|(of, _)| *of != console);
-            self.owes(console);
+            self.owes(console, now + term);
         }
     }
 
-    fn owes(&mut self, console: u64) {
-        self.owing.retain(|of| *of != console);
+    fn owes(&mut self, console: u64, until: Tick) {
+        self.owing.retain(|(of, _)| *of != console);
         if self.owing.len() == OWING_MAX {
             self.owing.remove(0);
         }
-        self.owing.push(console);
+        self.owing.push((console, until));
     }
 }

@@ -199,9 +199,12 @@ impl StationShell {
                 Handled::Taken
             }
             // A button that was held before the gap may have been released in it.
-            StationArrival::Panel { command: PanelCommand::Advance(true) | PanelCommand::Retract(true), .. }
-                if is_doubtful =>
-            {
+            StationArrival::Panel { console, command: PanelCommand::Advance(true) } if is_doubtful => {
+                self.advance.offer_late(now, console, true, self.stale);
+                Handled::Taken
+            }
+            StationArrival::Panel { console, command: PanelCommand::Retract(true) } if is_doubtful => {
+                self.retract.offer_late(now, console, true, self.stale);
                 Handled::Taken
             }
             StationArrival::Panel { console, command } => self.panel(now, console, command),
@@ -307,7 +310,8 @@ impl StationShell {
         match (is_newest && !is_doubtful, is_stop) {
             (true, _) => {
                 let handled = self.controller.handle(now, StationInput::Order(order));
-                if matches!(handled, Handled::Taken) {
+                // An emergency stop of an older epoch is obeyed, and not followed.
+                if matches!(handled, Handled::Taken) && self.controller.followed() == order.boot_id {
                     self.coordinator = Some(from);
                 }
                 handled

@@ -84,8 +84,8 @@ impl Controller {
         self.left(key)
     }
 
-    /// Whether an operation of the task that waits for inputs or other stations has started and is not taken back, or it is not known
-    /// where the station stands: another one may rely on it. It follows from the place alone, so it outlasts a restart.
+    /// Whether an operation of the task with `waits`, or one that waits for other stations, has started and is not taken back, or it is
+    /// not known where the station stands: another one may rely on it. It follows from the place alone, so it outlasts a restart.
     pub(crate) fn is_in_handshake(&self) -> bool {
         let (Some(tasks), Some(place)) = (&self.program.tasks, self.marking().next()) else { return true };
         // Where it stands is not known: it may stand anywhere.

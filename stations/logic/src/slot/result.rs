@@ -2,7 +2,7 @@
 //!
 //! In auto the next operation of the task waits for it as for its other inputs. It has its own time, from the end of the motion;
 //! after that the order ends at once with its code, as one does whose time is over. A result that is lost again before the next
-//! operation starts ends the order as well. Where the inputs are not known, nothing is missing. In hand and manual mode it is not
+//! operation starts ends the order as well. While the inputs are not known, its time does not end the order. In hand and manual mode it is not
 //! waited for: people see what is in the hand, and lead a station on to its rest also with an empty one.
 
 use linewright_line::{MotionResult, OpId, Tick};
@@ -25,6 +25,14 @@ impl Controller {
         let due = result.map_or(Tick::NEVER, |result| self.now + result.within);
         if let Some(slot) = self.orders.as_mut().and_then(|orders| orders.slot.as_mut()) {
             slot.result_due = due;
+        }
+    }
+
+    /// The caller stood still: what is known of the inputs is of before, so the result has its whole time again.
+    pub(crate) fn result_after_gap(&mut self, now: Tick) {
+        let Some(result) = self.missing_result() else { return };
+        if let Some(slot) = self.orders.as_mut().and_then(|orders| orders.slot.as_mut()) {
+            slot.result_due = slot.result_due.max(now + result.within);
         }
     }
 

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{LeaveWay, Restore, TaskFailure, TaskOutcome, TaskReply};
+use linewright_station_logic::{LeaveWay, Restore, StationInput, TaskFailure, TaskOutcome, TaskReply};
 
 use super::bench::{MEMORY, OrderBench, key, order};
 
@@ -90,6 +90,40 @@ fn nothing_is_missing_while_the_inputs_are_not_known() {
     assert_eq!(robot.slot(), Some(key(1, 1)));
     robot.devices(true);
     assert_eq!(robot.result(key(1, 1)), Some(TaskOutcome::Failed(TaskFailure::Waiting(24))));
+}
+
+/// Nor when the order's own time is over meanwhile.
+#[test]
+fn an_order_whose_time_is_over_while_the_inputs_are_not_known_did_not_wait_for_the_part() {
+    let mut robot = robot(|text| text);
+    robot.arrive();
+    robot.devices(false);
+    robot.wait(Duration::from_secs(25));
+    let result = robot.result(key(1, 1));
+    assert!(matches!(result, Some(TaskOutcome::Failed(of)) if of != TaskFailure::Waiting(24)), "{result:?}");
+}
+
+#[test]
+fn an_order_that_is_left_before_the_time_of_its_result_did_not_wait_for_it() {
+    let mut robot = robot(|text| text);
+    robot.arrive();
+    robot.wait(Duration::from_millis(100));
+    robot.leave(key(1, 1), LeaveWay::Hold);
+    assert_eq!(robot.result(key(1, 1)), Some(TaskOutcome::Failed(TaskFailure::Held)));
+}
+
+/// The part was seen while the machine stood still; the image of before does not show it.
+#[test]
+fn after_a_standstill_a_result_has_its_time_again() {
+    let mut robot = robot(|text| text);
+    robot.arrive();
+    robot.wait(Duration::from_millis(400));
+    let later = robot.now + Duration::from_secs(1);
+    robot.now = later;
+    robot.controller.handle(later, StationInput::Gap);
+    robot.step();
+    robot.set("part_in_hand", true);
+    assert_eq!(robot.slot(), Some(key(1, 1)), "{:?}", robot.result(key(1, 1)));
 }
 
 /// An empty hand is led on to the rest as well: people see it, and what is lost must not keep the station half-way.

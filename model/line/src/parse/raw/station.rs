@@ -122,7 +122,7 @@ keys! {
         /// station; 1 to 999.
         waits_code: Option<Located<i64>> = whole(1, CODE_MAX.into()),
         /// What the motion is to have brought about, at a task-driven station:
-        /// `{ input = "part_in_hand", within_s = 0.5, code = 24 }`. The next operation of the task waits for it.
+        /// `{ input = "part_in_hand", within_s = 0.5, code = 24 }`. In auto the next operation of the task waits for it.
         result: Option<RawResult> = table(),
     }
 

@@ -127,8 +127,8 @@ fn axes_come_there(draft: &DraftLine<'_>, stand: &DraftStand, report: &mut Repor
     );
 }
 
-/// A sensor in a hand is there to be looked at when the hand has closed: a grasp without a part shows nowhere else at once. In a task
-/// whatever comes after may look; the last operation of a task is followed by nothing.
+/// A grasp without a part shows at once only in a sensor of the hand. So something in its task has to look at that after the hand has
+/// closed; the last operation is exempt, since nothing follows it.
 fn hands_are_looked_into(draft: &DraftLine<'_>, report: &mut Report) {
     for (id, holder) in draft.handling.holders.iter().enumerate().filter(|(_, holder)| holder.raw.is_hand) {
         let Some(Stand { station, axis, at }) = holder.closes.as_ref().map(|closes| closes.value) else { continue };
@@ -144,7 +144,8 @@ fn hands_are_looked_into(draft: &DraftLine<'_>, report: &mut Report) {
             for (nth, closing) in operations.iter().enumerate().take(operations.len().saturating_sub(1)) {
                 let is_closing =
                     |motion: &Located<Motion>| motion.value.axis == axis && same_place(motion.value.to, at);
-                let mut looks = operations[nth..].iter().flat_map(|op| op.waits.iter().chain(&op.result));
+                let results = operations[nth..].iter().flat_map(|op| &op.result);
+                let mut looks = operations[nth + 1..].iter().flat_map(|op| &op.waits).chain(results);
                 if closing.motion.as_ref().is_some_and(is_closing) && !looks.any(|look| inputs.contains(&look.value)) {
                     let message = format!(
                         "`{}` closes `{}`, and nothing in its task looks whether there is a part in it",

@@ -154,7 +154,7 @@ fn results_are_waited_for(station: &DraftStation<'_>, task: &DraftTask<'_>, repo
         report.add(
             Problem::error(result.at.clone(), format!("`{}` is the last operation of task `{}`", last.name, task.name))
                 .label("nothing waits for it")
-                .hint("the next operation of a task waits for `result`, and here none follows: let an operation before it have it"),
+                .hint("in auto the next operation of a task waits for `result`, and here none follows; give it to an earlier operation"),
         );
     }
 }
