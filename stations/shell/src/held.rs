@@ -53,8 +53,9 @@ impl HeldByOne {
             self.holder = Some((console, now + term));
         }
         match () {
-            () if is_ended || is_beside => HeldPass::Second,
+            () if is_ended => HeldPass::Second,
             () if held && is_owing => HeldPass::Unreleased,
+            () if is_beside => HeldPass::Second,
             () => HeldPass::Taken,
         }
     }

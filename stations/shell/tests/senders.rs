@@ -41,6 +41,7 @@ fn the_sender_of_the_mode_that_is_followed_is_taken_alone() {
     rig.order(OTHER, 3, ControlMode::Manual);
     assert_eq!(takes(&rig), [true, false], "an epoch that is over");
     rig.order(OTHER, 3, ControlMode::EStop);
+    rig.act();
     assert_eq!(rig.mode(), ControlMode::EStop);
     assert_eq!(takes(&rig), [true, false], "a stop that is obeyed and not followed");
 }
