@@ -75,7 +75,8 @@ async fn a_plant_that_is_stopped_half_way_goes_on_from_there() {
     press(buses.path(), kept.path(), 0, 0).await;
     assert_eq!(ram(kept.path()), half_way);
     press(buses.path(), kept.path(), FORWARD, FRONT).await;
-    assert_eq!(ram(kept.path()), 80.0);
+    // Its switch is on a little before the end.
+    assert!((ram(kept.path()) - 80.0).abs() < 0.1, "{}", ram(kept.path()));
     // Damaged, of another form, of another line: at home, and begun anew; what could not be used is kept. Of more than five the
     // last is replaced.
     let aside = |nth: usize| kept.path().join(format!("{KEPT_IN}.unusable-{nth}"));
