@@ -93,7 +93,8 @@ fn an_order_is_submitted_goes_wrong_is_answered_and_is_finished_at_a_page() {
     let log = std::fs::read_to_string(rig.state().join("console.log")).expect("it is there");
     for part in [
         "console: order `rush` of 1 A, due in 600 s by Ada (127.0.0.1:",
-        "console: alarm acknowledged by Ada (127.0.0.1:",
+        "console: alarm `cell 1 ",
+        "` acknowledged by Ada (127.0.0.1:",
         "console: answer \"in-store\" to alarm 1 by Ada (127.0.0.1:",
         "console: answer \"in-store\" to alarm 1: done: alarm 1 is answered: in-store",
         "console: resource M3 down by Ada",
