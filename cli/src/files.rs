@@ -45,8 +45,8 @@ fn cannot_read(path: &Path, error: &io::Error) -> miette::Report {
 
 /// The path of a file (EDS, DCF, DBC) that a description in the directory `dir` names: in that directory or below it.
 ///
-/// The user of a description may read files that its author may not, and error messages quote lines of a file that is wrong. A symbolic link
-/// in the directory may lead elsewhere: the user has made it.
+/// A description from elsewhere could otherwise name any file that its user may read, and have lines of that file printed as errors.
+/// A symbolic link in the directory may lead elsewhere: it was made by a person with write access to the directory.
 ///
 /// # Errors
 /// When the name leads out of the directory.

@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use clap::Args;
 use linewright_console_view::{HAND_ONLY, PANEL_ONLY, PUBLISH_EVERY, RESUME, stations_of};
-use linewright_coordinator_logic::ModeCommand;
+use linewright_coordinator_logic::{ModeCommand, OperatorCommand};
 use linewright_line::{ButtonId, Line, StationId};
 use linewright_msgs::{Flag, LineState, StationState, Text};
 use linewright_node_shell::RosArgs;
@@ -133,9 +133,6 @@ fn is_refused(state: &LineState, words: &str, refusals: u64) -> bool {
     state.refusals > refusals && state.refused == words
 }
 
-/// How a refusal names hand-mode buttons.
-const BUTTONS: &str = "buttons";
-
 /// Buttons and positions of the selector at the panel of a station.
 const PANEL: [&str; 4] = ["advance", "return", "manual", "auto"];
 
@@ -204,9 +201,10 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
     let say = |client: &OperatorClient, held| client.hold(if held { &names } else { "" });
     let before = client.coordinator().map_or(0, |state| state.refusals);
     let outcome = hold(&mut client, (args.seconds, false), &stations, say).await?;
-    // A second console that has let go before has ended nothing.
-    let refused =
-        client.coordinator().filter(|state| is_refused(state, BUTTONS, before) && outcome != PressOutcome::Obeyed);
+    // After `Obeyed` a refusal was of a later message.
+    let refused = client
+        .coordinator()
+        .filter(|state| is_refused(state, OperatorCommand::Buttons.name(), before) && outcome != PressOutcome::Obeyed);
     let outcome = refused.map_or(outcome, |state| PressOutcome::Refused(state.refusal.clone()));
     answer(&client, args, &stations, outcome)
 }

@@ -72,6 +72,20 @@ impl CellCallers {
             resource: caller(node, "set_resource")?,
         })
     }
+
+    /// Answers an alarm. `by`: the user, for the coordinator's log.
+    async fn answer(&self, alarm: u64, word: &str, by: String) -> miette::Result<()> {
+        let asked = AnswerAlarmRequest { alarm, word: word.to_owned(), by };
+        let response = ask(&self.answer, &asked).await?;
+        done(response.accepted, &response.reason)
+    }
+
+    /// Changes the state of a resource: one of the constants of [`SetResourceRequest`].
+    async fn resource(&self, resource: &str, what: u8, text: &str, by: String) -> miette::Result<()> {
+        let asked = SetResourceRequest { resource: resource.to_owned(), what, text: text.to_owned(), by };
+        let response = ask(&self.resource, &asked).await?;
+        done(response.accepted, &response.reason)
+    }
 }
 
 impl CellClient {
@@ -178,16 +192,12 @@ impl CellClient {
 
     /// Answers an alarm, after its instruction was carried out.
     pub async fn answer(&self, alarm: u64, word: &str) -> miette::Result<()> {
-        let asked = AnswerAlarmRequest { alarm, word: word.to_owned(), by: who() };
-        let response = ask(&self.callers.answer, &asked).await?;
-        done(response.accepted, &response.reason)
+        self.callers.answer(alarm, word, who()).await
     }
 
     /// Changes the state of a resource: one of the constants of [`SetResourceRequest`].
     pub async fn resource(&self, resource: &str, what: u8, text: &str) -> miette::Result<()> {
-        let asked = SetResourceRequest { resource: resource.to_owned(), what, text: text.to_owned(), by: who() };
-        let response = ask(&self.callers.resource, &asked).await?;
-        done(response.accepted, &response.reason)
+        self.callers.resource(resource, what, text, who()).await
     }
 }
 

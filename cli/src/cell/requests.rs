@@ -8,13 +8,11 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use linewright_console_view::{CellRequest, ResourceCommand};
-use linewright_msgs::{
-    AnswerAlarmRequest, ChangeOrderRequest, SetResourceRequest, SubmitOrdersRequest, Time, WhyNotRequest,
-};
+use linewright_msgs::{SetResourceRequest, SubmitOrdersRequest, Time, WhyNotRequest};
 use miette::miette;
 
 use super::operate::{moment, usual_name};
-use super::{CellCallers, CellClient, ask, done, request};
+use super::{CellCallers, CellClient, ask, change, request};
 
 /// Time for a reply; afterwards a request is given up.
 pub const REPLY_WITHIN: Duration = Duration::from_secs(2);
@@ -24,7 +22,7 @@ pub const REPLY_WITHIN: Duration = Duration::from_secs(2);
 pub enum CellReply {
     /// It is done; what there is to be known of it.
     Done(String),
-    /// It is refused; why.
+    /// It is refused, or could not be sent; why.
     Refused(String),
     /// Nothing has come.
     None,
@@ -56,8 +54,7 @@ impl CellClient {
 async fn perform(callers: &CellCallers, of: CellRequest) -> miette::Result<String> {
     match of {
         CellRequest::Answer { alarm, word, by } => {
-            let response = ask(&callers.answer, &AnswerAlarmRequest { alarm, word: word.clone(), by }).await?;
-            done(response.accepted, &response.reason)?;
+            callers.answer(alarm, &word, by).await?;
             Ok(format!("alarm {alarm} is answered: {word}"))
         }
         CellRequest::Submit { product, quantity, name, due_s } => {
@@ -73,13 +70,11 @@ async fn perform(callers: &CellCallers, of: CellRequest) -> miette::Result<Strin
             Ok(format!("production order {}: `{name}`", numbers.join(", ")))
         }
         CellRequest::Cancel { order } => {
-            let response = ask(&callers.cancel, &ChangeOrderRequest { name: order.clone() }).await?;
-            done(response.done, &response.reason)?;
+            change(&callers.cancel, &order).await?;
             Ok(format!("`{order}` is cancelled"))
         }
         CellRequest::Withdraw { order } => {
-            let response = ask(&callers.withdraw, &ChangeOrderRequest { name: order.clone() }).await?;
-            done(response.done, &response.reason)?;
+            change(&callers.withdraw, &order).await?;
             Ok(format!("`{order}` is withdrawn"))
         }
         CellRequest::Why { about } => {
@@ -92,9 +87,7 @@ async fn perform(callers: &CellCallers, of: CellRequest) -> miette::Result<Strin
                 ResourceCommand::Down => (SetResourceRequest::DOWN, "is out of service"),
                 ResourceCommand::Reset => (SetResourceRequest::RESET, "is reset"),
             };
-            let asked = SetResourceRequest { resource: resource.clone(), what, text: String::new(), by };
-            let response = ask(&callers.resource, &asked).await?;
-            done(response.accepted, &response.reason)?;
+            callers.resource(&resource, what, "", by).await?;
             Ok(format!("{resource} {state}"))
         }
     }

@@ -64,7 +64,6 @@ impl PageCommands {
 
     /// Takes what has come from a page.
     pub fn take(&mut self, now: Duration, of: &mut PageSurroundings<'_>, event: PageEvent) {
-        let states = states(of.client, of.cell);
         let effects = match event.what {
             PageEventKind::Opened(address) => {
                 self.desk.opened(event.connection, &address);
@@ -72,8 +71,8 @@ impl PageCommands {
             }
             PageEventKind::Closed => self.desk.closed(now, event.connection),
             PageEventKind::Operated(operation) => {
-                let why_not = |act: &PageAct| why_not(of.client.line(), &states, act, mode_name);
-                self.desk.take(now, event.connection, &operation, why_not)
+                let (client, cell) = (of.client, of.cell);
+                self.desk.take(now, event.connection, &operation, |act| refusal(client, cell, act))
             }
         };
         for effect in effects {
@@ -158,8 +157,7 @@ impl PageCommands {
     pub fn publish(&mut self, now: Duration, client: &OperatorClient) {
         self.look_for_arrival(now, client);
         // No button that is held is one of a cell alone.
-        let states = states(client, None);
-        let (messages, effects) = self.desk.due(now, |act| why_not(client.line(), &states, act, mode_name));
+        let (messages, effects) = self.desk.due(now, |act| refusal(client, None, act));
         self.perform(client, effects);
         for HoldMessage { button, is_held } in messages {
             match button {
@@ -200,12 +198,13 @@ impl PageCommands {
     }
 }
 
-/// What is received, for the decision whether something may be given.
-fn states<'s>(client: &'s OperatorClient, cell: Option<&'s CellClient>) -> OperateStates<'s> {
-    OperateStates {
+/// Why an act would do nothing now.
+fn refusal(client: &OperatorClient, cell: Option<&CellClient>, act: &PageAct) -> Option<String> {
+    let states = OperateStates {
         coordinator: client.coordinator(),
         stations: client.line().station_ids().map(|id| client.station(id)).collect(),
         is_other_description: !client.other_descriptions().is_empty(),
         cell: cell.and_then(CellClient::heard_lately),
-    }
+    };
+    why_not(client.line(), &states, act, mode_name)
 }

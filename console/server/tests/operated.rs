@@ -258,7 +258,7 @@ async fn a_page_without_control_gives_the_stop_and_nothing_else() {
     served.abort();
 }
 
-/// What is given is chosen first, and the button says so.
+/// *Acknowledge* without a chosen alarm shows what is missing; with one it gives the alarm and the note.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn an_alarm_is_chosen_and_acknowledged_with_a_note() {
     let Some(browser) = Browser::open_or_skip().await else { return };

@@ -61,11 +61,11 @@ pub enum PageAct {
     Beat { number: u64 },
     /// It is held no more.
     Release { number: u64 },
-    /// An alarm is seen; it says nothing of what has become of its cause.
+    /// Acknowledges an alarm: the operator has seen it. Its cause, and so the alarm, may still stand.
     Acknowledge {
         /// Number of the alarm on the page.
         shown: u64,
-        /// For those who read it later. May be empty.
+        /// Note, shown with the alarm and logged. May be empty.
         note: String,
     },
     /// Answers an alarm of a cell, by its number there.

@@ -178,7 +178,7 @@ fn an_emergency_stop_stands_above_newer_alarms_of_its_priority() {
     assert_eq!(texts, ["emergency stop", "watchdog"]);
 }
 
-/// Commands need the name; a title that says more stands beside it, wherever the station is named.
+/// Cards, lanes and alarms name a station by its name, which commands take, and add its title where that differs.
 #[test]
 fn a_title_stands_beside_the_name() {
     let mut bench = ViewBench::new(false);

@@ -1,4 +1,5 @@
-//! Requests to the coordinator of a cell: which are possible, who may give them, and to whom the reply belongs.
+//! Requests of a page to the coordinator of a cell: which the state of the cell permits, that the page needs control for them, and that
+//! the reply is shown on the page that has asked.
 
 use std::time::Duration;
 

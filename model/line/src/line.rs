@@ -365,7 +365,8 @@ impl Station {
         self.steps.iter().position(|step| step.contains(&op)).expect("every operation belongs to a step")
     }
 
-    /// Name and title, for people: `mill_1 (Milling unit 1)`; the name alone where the title is none or says no more.
+    /// Name with title, as operators see the station: `mill_1 (Milling unit 1)`. The name alone where the title is the same but for case and
+    /// `_`.
     pub fn label(&self) -> String {
         let plain = |text: &str| text.to_lowercase().replace('_', " ");
         if plain(&self.title) == plain(&self.name) {

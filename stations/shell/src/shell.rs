@@ -162,9 +162,9 @@ impl StationShell {
         self.inputs
     }
 
-    /// Whether orders for tasks, and orders to leave one, of this sender are taken: of the one whose order of the mode is followed,
-    /// or of any where the description says so. The middleware does not prove the sender, so this keeps out what is sent
-    /// by mistake, and nothing that is forged.
+    /// Whether task orders, and orders to leave one, are taken from this participant. True for the one whose order of the mode is followed; for
+    /// any where the description has `orders = "any"`. DDS does not authenticate participants: this keeps out what is sent by mistake, not
+    /// what is forged.
     pub fn takes_tasks_of(&self, from: ParticipantId) -> bool {
         self.order_source == TaskOrderSource::Any || self.coordinator == Some(from)
     }
@@ -198,16 +198,7 @@ impl StationShell {
                 self.image(now, (bits, valid), losses, Tick::NEVER, NO_DELAY);
                 Handled::Taken
             }
-            // A button that was held before the gap may have been released in it.
-            StationArrival::Panel { console, command: PanelCommand::Advance(true) } if is_doubtful => {
-                self.advance.offer_late(now, console, true, self.stale);
-                Handled::Taken
-            }
-            StationArrival::Panel { console, command: PanelCommand::Retract(true) } if is_doubtful => {
-                self.retract.offer_late(now, console, true, self.stale);
-                Handled::Taken
-            }
-            StationArrival::Panel { console, command } => self.panel(now, console, command),
+            StationArrival::Panel { console, command } => self.panel(now, console, command, is_doubtful),
             StationArrival::Rejoin(..) if is_doubtful => {
                 self.ignore("rejoin: the node stood still just before it; confirm again", effects);
                 return;
@@ -229,12 +220,17 @@ impl StationShell {
     }
 
     /// Takes a command of the panel. A button is held by one console at a time.
-    fn panel(&mut self, now: Tick, console: u64, command: PanelCommand) -> Handled {
+    fn panel(&mut self, now: Tick, console: u64, command: PanelCommand, is_doubtful: bool) -> Handled {
         let (button, held, released) = match command {
             PanelCommand::Advance(held) => (&mut self.advance, held, PanelCommand::Advance(false)),
             PanelCommand::Retract(held) => (&mut self.retract, held, PanelCommand::Retract(false)),
             PanelCommand::Selector(_) => return self.controller.handle(now, StationInput::Panel(command)),
         };
+        // One that was held before the gap may have been released in it.
+        if held && is_doubtful {
+            button.offer_late(now, console, held, self.stale);
+            return Handled::Taken;
+        }
         if button.offer(now, console, held, self.stale) == HeldPass::Taken {
             return self.controller.handle(now, StationInput::Panel(command));
         }

@@ -190,7 +190,7 @@ impl Coordination {
         // between two rests, nothing begins there, and its sensor is compared when it is counted on again.
         if let Some(why) = station.and_then(|station| self.obstacle(now, station)) {
             let text = resource_texts::given_up(&self.state, resource, why);
-            let finding = resource_texts::is_given_up(&self.state, resource);
+            let finding = resource_texts::part_given_up(&self.state, resource);
             self.alarm_of_resource(now, resource, (text, Some(finding)), vec![alarm::UP.to_owned()], out);
             return Ok(());
         }

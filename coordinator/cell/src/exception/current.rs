@@ -9,7 +9,6 @@ use super::super::record::OrderFailure;
 use super::book::Alarm;
 use super::direction::StationsToLead;
 use super::fact::{AlarmSubject, OutOfServiceReason, SecuredState, SensorMismatch};
-use super::request::AlarmAnswerRefusal;
 use super::standing::WrongRest;
 use crate::texts::alarm::{self, AlarmText, StationStanding};
 use crate::texts::resource as resource_texts;
@@ -19,8 +18,6 @@ enum ResourceFinding {
     /// With the rest that its station has to be brought to first, where it is closed on a part that the model has not.
     Mismatch(SensorMismatch, Option<WrongRest>),
     WrongRest(WrongRest),
-    /// Its missing part is given up, and this keeps its station from work.
-    GivenUp(AlarmAnswerRefusal),
     Nothing,
 }
 
@@ -82,17 +79,18 @@ impl Coordination {
             ResourceFinding::WrongRest(found) | ResourceFinding::Mismatch(_, Some(found)) => {
                 Some((found.station, found.wanted))
             }
-            ResourceFinding::Mismatch(_, None) | ResourceFinding::GivenUp(_) | ResourceFinding::Nothing => None,
+            ResourceFinding::Mismatch(_, None) | ResourceFinding::Nothing => None,
         }
     }
 
-    /// What keeps the station of a resource from work now, where the alarm is that its missing part was given up.
-    fn given_up_now(&self, now: Tick, of: &Alarm, resource: ResourceId) -> Option<ResourceFinding> {
+    /// The present text of the alarm that the missing part of a resource is given up; none of other alarms.
+    fn given_up_now(&self, now: Tick, of: &Alarm, resource: ResourceId) -> Option<String> {
         let is_its =
-            of.finding.as_ref().is_some_and(|found| *found == resource_texts::is_given_up(self.state(), resource));
+            of.finding.as_ref().is_some_and(|found| *found == resource_texts::part_given_up(self.state(), resource));
         let station =
             self.state().table().handling().resource(resource).and_then(|of| of.station).filter(|_| is_its)?;
-        self.obstacle(now, station).map(ResourceFinding::GivenUp)
+        let why = self.obstacle(now, station)?;
+        Some(resource_texts::given_up(self.state(), resource, why))
     }
 
     /// The text of an alarm as things are now.
@@ -104,7 +102,6 @@ impl Coordination {
             }),
             AlarmSubject::Resource(resource) => self
                 .found_now(now, resource)
-                .or_else(|| self.given_up_now(now, of, resource))
                 .map(|found| match found {
                     ResourceFinding::Mismatch(found, first) => {
                         let can_be_gone = found.model && of.words.iter().any(|word| word == alarm::GONE);
@@ -112,11 +109,11 @@ impl Coordination {
                         resource_texts::mismatch(self.state(), &found, missing, first.as_ref())
                     }
                     ResourceFinding::WrongRest(found) => resource_texts::wrong_rest(self.state(), &found),
-                    ResourceFinding::GivenUp(why) => resource_texts::given_up(self.state(), resource, why),
                     ResourceFinding::Nothing => {
                         AlarmText::Agrees { resource: self.state().table().handling().resource_name(resource) }.text()
                     }
-                }),
+                })
+                .or_else(|| self.given_up_now(now, of, resource)),
         };
         text.unwrap_or_else(|| of.text.clone())
     }
@@ -128,7 +125,7 @@ impl Coordination {
         Some(match self.found_now(now, resource).filter(|_| is_by_itself) {
             Some(ResourceFinding::Mismatch(..)) => OutOfServiceReason::Mismatch.text(""),
             Some(ResourceFinding::WrongRest(_)) => OutOfServiceReason::Rest.text(""),
-            Some(ResourceFinding::GivenUp(_) | ResourceFinding::Nothing) | None => down.why.text(&down.activity),
+            Some(ResourceFinding::Nothing) | None => down.why.text(&down.activity),
         })
     }
 

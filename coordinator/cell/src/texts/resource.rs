@@ -24,12 +24,12 @@ pub(crate) fn given_up(state: &PlayerState, resource: ResourceId, why: AlarmAnsw
     let handling = state.table().handling();
     let name = |id: ResourceId| handling.resource_name(id).to_owned();
     let why = why.text(ResourceRequest::Up(resource), |id| handling.station_name(id), name, |_| String::new());
-    let found = is_given_up(state, resource);
+    let found = part_given_up(state, resource);
     AlarmText::GivenUp { found: &found, resource: handling.resource_name(resource), why: &why }.text()
 }
 
-/// That it is given up, alone.
-pub(crate) fn is_given_up(state: &PlayerState, resource: ResourceId) -> String {
+/// That the missing part of a resource is given up.
+pub(crate) fn part_given_up(state: &PlayerState, resource: ResourceId) -> String {
     AlarmText::PartGivenUp { resource: state.table().handling().resource_name(resource) }.text()
 }
 

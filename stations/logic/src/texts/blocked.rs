@@ -56,7 +56,7 @@ pub enum StationWait<'a> {
     Rest,
     /// An input of a task.
     Input { input: &'a str, own: &'a str },
-    /// The input that says what a completed operation has brought about.
+    /// The input of the `result` of an operation that is complete: it has to be on before the next operation starts.
     Result { input: &'a str, of: &'a str },
     /// A button in hand mode; none has a function where both are empty.
     Button { onward: Option<&'a str>, back: Option<&'a str> },
