@@ -86,12 +86,19 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         } else {
             crate::out::say!("{}", picture(&client, &path, &PictureOf::once(found)).join("\n"));
         }
+        let leads_there = found.is_some_and(|found| found.plan.leads_to_auto());
+        if let Some(searched) = newest.searching() {
+            crate::out::complain!(
+                "no list within {} s: the states that it follows from have changed all the while. Look again; what changes shows: {}",
+                searched.as_secs(),
+                typed_words(&["watch", &path].map(str::to_owned)),
+            );
+        }
         if !is_all {
             let coordinator = client.coordinator().is_none().then_some("the coordinator");
             let missing: Vec<&str> = coordinator.into_iter().chain(client.unheard()).collect();
             crate::out::complain!("not heard within {} s: {}", HEARD_WITHIN.as_secs(), missing.join(", "));
         }
-        let leads_there = found.is_some_and(|found| found.plan.leads_to_auto());
         return Ok(if is_all && leads_there { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
     follow(&mut client, cell, newest, &path).await

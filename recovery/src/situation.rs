@@ -1,5 +1,7 @@
 //! What is known of a line when a plan is made.
 
+use std::time::Duration;
+
 use linewright_coordinator_cell::texts::ListedAnswer;
 use linewright_coordinator_logic::ModeStanding;
 use linewright_line::net::ControlMode;
@@ -139,8 +141,12 @@ impl LineSituation {
         mode: ControlMode,
         enabled: bool,
         standing: ModeStanding,
-        stations: Vec<Option<StationReport>>,
+        mut stations: Vec<Option<StationReport>>,
     ) -> Self {
+        for report in stations.iter_mut().flatten() {
+            // It differs in every state, and no plan follows from it: the same situation is to compare as equal.
+            report.measured_age = Duration::ZERO;
+        }
         let console = match (standing.without_console, standing.is_pressed) {
             (true, _) => ConsoleSituation::Lost,
             (false, true) => ConsoleSituation::ButtonPressed,

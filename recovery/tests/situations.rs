@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::ModeCommand;
+use linewright_coordinator_logic::{ModeCommand, ModeStanding};
 use linewright_line::net::{ControlMode, MotionStage, StationPlace};
 use linewright_line::{Line, StationId};
 use linewright_plant::MotionFault;
@@ -43,6 +43,18 @@ fn after_a_jam(station: usize, name: &str) -> LineSim {
 fn a_line_at_home_is_started_by_two_commands() {
     let sim = switched_on(&transfer_line(), 1);
     assert_eq!(texts(&sim), ["command start", "command auto"]);
+}
+
+#[test]
+fn the_age_of_an_image_makes_no_other_situation() {
+    let line = transfer_line();
+    let sim = switched_on(&line, 1);
+    let aged = |ms| {
+        let mut stations = situation(&sim).stations;
+        stations.iter_mut().flatten().for_each(|report| report.measured_age = Duration::from_millis(ms));
+        LineSituation::read(&line, sim.mode(), true, ModeStanding::default(), stations)
+    };
+    assert_eq!(aged(3), aged(20));
 }
 
 #[test]

@@ -47,8 +47,10 @@ pub struct NewestPlan {
     /// Stations that are to be led on.
     lead_on: Vec<StationId>,
     reached: EndsReached,
-    /// The search that is under way, with its begin.
-    search: Option<(Instant, Receiver<(LineSituation, ReasonedPlan)>)>,
+    /// The search that is under way.
+    search: Option<Receiver<(LineSituation, ReasonedPlan)>>,
+    /// Since when the plan of what is received is not known; none while it is, or nothing is received to plan for.
+    unknown_since: Option<Instant>,
     /// Whether the known plan is that of the situation looked at last.
     is_current: bool,
 }
@@ -88,13 +90,16 @@ impl NewestPlan {
         }
         self.take_found(Duration::ZERO);
         self.is_current = self.known.as_ref().map(|(known, _)| known) == now.as_ref();
+        let is_wanted = now.is_some();
         if let Some(situation) = now.filter(|_| !self.is_current && self.search.is_none()) {
             let (to, found) = channel();
             let (line, of) = (client.line().clone(), situation.clone());
             thread::spawn(move || drop(to.send((of, reasoned(&line, &situation)))));
-            self.search = Some((Instant::now(), found));
+            self.search = Some(found);
             self.is_current = self.take_found(AT_ONCE);
         }
+        let is_unknown = is_wanted && !self.is_current;
+        self.unknown_since = is_unknown.then(|| self.unknown_since.unwrap_or_else(Instant::now));
         self.known.as_ref().filter(|_| self.is_current).map(|(_, found)| found)
     }
 
@@ -118,14 +123,14 @@ impl NewestPlan {
         }
     }
 
-    /// For how long the plan of what is received now has been looked for; none where it is known.
+    /// For how long the plan of what is received has not been known, over all searches; none where it is known.
     pub fn searching(&self) -> Option<Duration> {
-        self.search.as_ref().filter(|_| !self.is_current).map(|(since, _)| since.elapsed())
+        self.unknown_since.map(|since| since.elapsed())
     }
 
     /// Takes what a search has found, if it ends within so long: whether there is a plan by it.
     fn take_found(&mut self, within: Duration) -> bool {
-        let Some((_, search)) = &self.search else { return false };
+        let Some(search) = &self.search else { return false };
         match search.recv_timeout(within) {
             Ok(found) => self.known = Some(found),
             Err(RecvTimeoutError::Timeout) => return false,
