@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 use linewright_faults::{
     CELL_MUTANTS, FLOOR_MUTANTS, FaultPlan, MUTANTS, Mutant, play, play_cell, play_floor, play_plan, shrink,
 };
+use linewright_testkit::cases::cases;
 
-/// `cargo xtask faults` plays as many as are asked for.
-const SEEDS: u64 = 200;
-const CELL_SEEDS: u64 = 60;
-const FLOOR_SEEDS: u64 = 50;
+/// Seeds played; `cargo xtask faults` plays as many as are asked for.
+fn seeds() -> u64 {
+    cases(200)
+}
 
 #[test]
 fn a_seed_is_the_same_run_every_time() {
@@ -23,7 +24,7 @@ fn a_seed_is_the_same_run_every_time() {
 
 #[test]
 fn whatever_happens_around_a_line_nothing_collides_and_it_comes_back() {
-    for seed in 0..SEEDS {
+    for seed in 0..seeds() {
         if let Some(finding) = play(seed, None).finding {
             panic!("seed {seed}, at {:.4} s: {}; see docs/faults.md", finding.at.as_secs_f64(), finding.text);
         }
@@ -39,7 +40,7 @@ fn every_rule_that_is_broken_is_found() {
     for (name, mutant, seed) in found() {
         assert!(play(seed, Some(mutant)).finding.is_some(), "{name}, seed {seed}");
     }
-    for seed in found().map(|(.., seed)| seed).filter(|seed| *seed >= SEEDS).collect::<BTreeSet<_>>() {
+    for seed in found().map(|(.., seed)| seed).filter(|seed| *seed >= seeds()).collect::<BTreeSet<_>>() {
         assert_eq!(play(seed, None).finding, None, "seed {seed}");
     }
 }
@@ -55,7 +56,7 @@ fn a_plan_that_fails_is_shrunk_and_still_fails() {
 
 #[test]
 fn whatever_happens_around_a_cell_every_part_is_made_once() {
-    for seed in 0..CELL_SEEDS {
+    for seed in 0..cases(60) {
         let played = play_cell(seed, None);
         assert_eq!(played.finding, None, "seed {seed}, {} lives; see docs/faults.md", played.lives);
     }
@@ -70,13 +71,13 @@ fn every_broken_rule_of_a_cell_is_found() {
 
 #[test]
 fn whatever_happens_around_a_cell_with_real_stations_every_part_is_made_once() {
-    let mut left_standing = 0;
-    for seed in 0..FLOOR_SEEDS {
+    let (seeds, mut left_standing) = (cases(50), 0);
+    for seed in 0..seeds {
         let played = play_floor(seed, None);
         left_standing += u64::from(played.is_left_standing);
         assert_eq!(played.finding, None, "seed {seed}, {} lives; see docs/faults.md", played.lives);
     }
-    assert!(left_standing * 50 <= FLOOR_SEEDS, "{left_standing}");
+    assert!(left_standing * 50 <= seeds, "{left_standing}");
     assert_eq!(play_floor(3, None).story, play_floor(3, None).story);
 }
 

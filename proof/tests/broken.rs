@@ -12,9 +12,10 @@ use linewright_line::{Line, OpId};
 use linewright_proof::explore::{LineExploration, Verdict};
 use linewright_proof::generate::{self, LineShape, Random, break_it, breakages, text, without_literal};
 use linewright_proof::structure::chart::{Gap, every_circuit_has_a_token, home_is_consistent, separated};
+use linewright_testkit::cases::cases;
 
 use crate::common::{
-    APART, DEADLOCK, auto_and_manual, begins_well, explored, in_auto, lines, met, undisturbed, verdict, with_conflict,
+    APART, DEADLOCK, auto_and_manual, begins_well, explored, in_auto, met, undisturbed, verdict, with_conflict,
 };
 
 /// Results of the mistakes.
@@ -114,8 +115,9 @@ impl Tally {
 fn of_every_mistake_structure_and_exploration_say_the_same() {
     let mut tally = Tally::default();
     let mut random = Random::new(3);
-    for (shape, count) in [(LineShape::small(), 30), (LineShape::default(), 12)] {
-        for seed in 0..lines(count) {
+    // So many that each kind of end is among them.
+    for (shape, count) in [(LineShape::small(), cases(30).max(30)), (LineShape::default(), cases(12).max(12))] {
+        for seed in 0..count {
             let line = generate::line(&shape, seed);
             let all = breakages(&line);
             for _ in 0..4 {
@@ -134,8 +136,8 @@ fn of_every_mistake_structure_and_exploration_say_the_same() {
 #[test]
 fn a_line_stops_exactly_if_a_circuit_has_no_token() {
     // Arrows between any operations at all, of auto mode, most of which do not go together.
-    let (mut stuck, mut live) = (0, 0);
-    for seed in 0..lines(300) {
+    let (mut stuck, mut live) = (0u64, 0u64);
+    for seed in 0..cases(300) {
         let shape = if seed % 3 == 0 { LineShape::default() } else { LineShape::small() };
         let mut line = in_auto(&generate::line(&shape, seed));
         line.conflicts.clear();
@@ -162,7 +164,7 @@ fn a_line_stops_exactly_if_a_circuit_has_no_token() {
         }
     }
     println!("{stuck} lines stop, {live} do not");
-    assert!(stuck > 20 && live > 20);
+    assert!(stuck > cases(20) && live > cases(20));
 }
 
 /// Whether some assignment of the variables lets both terms hold; only the meaning of the variables is used.
@@ -212,7 +214,7 @@ fn some_overlap(net: &StationNet, transitions: &[StationTransition]) -> bool {
 #[test]
 fn a_condition_forgotten_is_found_exactly_if_two_transitions_can_then_be_meant_at_once() {
     let (mut found, mut harmless) = (0, 0);
-    for seed in 0..lines(4) {
+    for seed in 0..cases(4) {
         let line = generate::line(&LineShape { stations: 1..=1, operations: 4..=5, ..LineShape::default() }, seed);
         let net = StationNet::of(&line, line.station_ids().next().expect("it has one station"));
         assert!(overlaps(&net).is_empty() && !some_overlap(&net, net.transitions()), "seed {seed}");

@@ -4,9 +4,10 @@ use linewright_line::{Line, OperationModule, parse};
 use linewright_proof::explore::{Grants, LineExploration, Verdict};
 use linewright_proof::generate::{self, LineShape, text};
 use linewright_proof::structure::{judge_line, judge_stations};
+use linewright_testkit::cases::cases;
 
 use crate::common::{
-    APART, CONFLICT, DEADLOCK, HOME, REVERSIBLE, explored, in_auto, keeps_together, lines, undisturbed, verdict,
+    APART, CONFLICT, DEADLOCK, HOME, REVERSIBLE, explored, in_auto, keeps_together, undisturbed, verdict,
 };
 
 fn shapes() -> [(LineShape, u64); 3] {
@@ -16,7 +17,7 @@ fn shapes() -> [(LineShape, u64); 3] {
 fn all() -> impl Iterator<Item = (u64, Line)> {
     shapes()
         .into_iter()
-        .flat_map(|(shape, count)| (0..lines(count)).map(move |seed| (seed, generate::line(&shape, seed))))
+        .flat_map(|(shape, count)| (0..cases(count)).map(move |seed| (seed, generate::line(&shape, seed))))
 }
 
 #[test]
@@ -101,7 +102,7 @@ fn nothing_wrong(seed: u64, line: &Line, what: &str, setting: &LineExploration, 
 fn in_auto_undisturbed_a_generated_line_never_meets_a_conflict_and_never_stops() {
     let (mut seen, mut open) = (0, 0);
     for (shape, count) in [(LineShape::default(), 60), (LineShape::small(), 60)] {
-        for seed in 0..lines(count) {
+        for seed in 0..cases(count) {
             // Reports that only arrows of manual mode read may be received at any time, or never: of those there is no
             // end.
             let line = in_auto(&generate::line(&shape, seed));
@@ -132,7 +133,7 @@ fn in_auto_undisturbed_a_generated_line_never_meets_a_conflict_and_never_stops()
 fn with_everything_on_a_generated_line_meets_nothing_wrong() {
     let mut exhausted = 0;
     for (shape, count, states) in [(LineShape::default(), 16, 10_000), (LineShape::small(), 16, 20_000)] {
-        for seed in 0..lines(count) {
+        for seed in 0..cases(count) {
             let line = generate::line(&shape, seed);
             if keeps_together(&line) {
                 exhausted +=

@@ -5,8 +5,9 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Arrow, Line};
 use linewright_proof::explore::{Grants, LineExploration, LineExplored, Verdict};
 use linewright_proof::generate::{self, LineShape, Random, break_it, breakages};
+use linewright_testkit::cases::cases;
 
-use crate::common::{HOME, REVERSIBLE, explored, lines, verdict};
+use crate::common::{HOME, REVERSIBLE, explored, verdict};
 
 /// Few enough for a build to wait for.
 const STATES_MAX: usize = 100_000;
@@ -60,7 +61,7 @@ fn tiny() -> LineShape {
 
 fn compare(name: &str, change: fn(&mut LineExploration), wanted: u64) {
     let (mut compared, mut states, mut kept) = (0, 0, 0);
-    for seed in 0..lines(16) {
+    for seed in 0..cases(16) {
         let line = generate::line(&tiny(), seed);
         if let Some((all, few)) = same(&format!("{name}, line {seed}"), &line, change) {
             (compared, states, kept) = (compared + 1, states + all, kept + few);
@@ -68,7 +69,7 @@ fn compare(name: &str, change: fn(&mut LineExploration), wanted: u64) {
     }
     println!("{name}: {compared} lines to the end, {states} states, {kept} kept");
     // Later lines need not be among the small ones.
-    assert!(compared >= lines(wanted).min(wanted));
+    assert!(compared >= cases(wanted).min(wanted));
 }
 
 #[test]
@@ -116,7 +117,7 @@ fn with_rules_off() {
 #[test]
 fn of_lines_broken_on_purpose() {
     let mut compared = 0;
-    for seed in 0..lines(12) {
+    for seed in 0..cases(12) {
         let line = generate::line(&tiny(), seed);
         let mut random = Random::new(seed);
         for _ in 0..3 {
@@ -126,7 +127,7 @@ fn of_lines_broken_on_purpose() {
         }
     }
     println!("{compared} broken lines to the end");
-    assert!(compared >= lines(5));
+    assert!(compared >= cases(5));
 }
 
 /// A small line with or without a mistake in it, and a property to check.
@@ -156,7 +157,7 @@ fn random_setting(seed: u64) -> LineExploration {
 #[test]
 fn whatever_is_asked_of_whatever_line() {
     let (mut ended, mut fewer, mut cut_off, mut wrong) = (0, 0, 0, 0);
-    for seed in 0..lines(100) {
+    for seed in 0..cases(100) {
         let Some((plain, lumped)) = both(&format!("seed {seed}"), &random_setting(seed), 10_000) else { continue };
         if !plain.exhausted {
             wrong += 1;
@@ -190,7 +191,7 @@ fn stands_still_in_manual(seed: u64) -> LineExploration {
 #[test]
 fn home_by_manual_alone_is_not_home_by_another_mode() {
     let mut by_auto_alone = 0;
-    for seed in 0..lines(20) {
+    for seed in 0..cases(20).max(20) {
         let Some((_, lumped)) = both(&format!("seed {seed}"), &stands_still_in_manual(seed), 50_000) else { continue };
         let [home, back] = [HOME, REVERSIBLE].map(|name| verdict(&lumped, name));
         by_auto_alone += u32::from((home, back) == (Verdict::Fails, Verdict::Holds));

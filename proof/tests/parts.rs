@@ -8,8 +8,9 @@ use linewright_proof::explore::{LineExploration, Verdict};
 use linewright_proof::generate::{self, LineShape, break_it, breakages, text};
 use linewright_proof::parts::{larger, parts, smallest_parts};
 use linewright_station_logic::Program;
+use linewright_testkit::cases::cases;
 
-use crate::common::{APART, SOUND, begins_well, explored, lines, met, verdict, with_conflict};
+use crate::common::{APART, SOUND, begins_well, explored, met, verdict, with_conflict};
 
 fn transfer_line(machines: usize) -> Line {
     parse("line.toml", &TransferLine { machines, time_scale: 1.0 }.text()).expect("the shipped line is sound").line
@@ -76,20 +77,20 @@ fn whole_and_part(what: &str, line: &Line) -> (bool, bool) {
 #[test]
 fn a_conflict_that_the_whole_line_meets_is_met_in_its_part() {
     let shape = LineShape { stations: 3..=4, ..LineShape::small() };
-    let (mut met, mut smaller) = (0, 0);
-    for seed in 0..lines(6) {
+    let (mut met, mut smaller) = (0u64, 0u64);
+    for seed in 0..cases(6) {
         let line = generate::line(&shape, seed);
         for breakage in breakages(&line).into_iter().step_by(4) {
             let Some(broken) = break_it(&line, breakage) else { continue };
             for conflict in broken.conflicts.iter().filter(|_| begins_well(&broken)) {
                 let what = format!("seed {seed}, {breakage:?}, {}", conflict.why);
                 let (whole, part) = whole_and_part(&what, &with_conflict(&broken, conflict));
-                (met, smaller) = (met + u32::from(whole), smaller + u32::from(part));
+                (met, smaller) = (met + u64::from(whole), smaller + u64::from(part));
             }
         }
     }
     println!("{met} conflicts met by the whole line, {smaller} of them met by a part that is smaller");
-    assert!(met > 20 && smaller > 10, "too few to tell: {met} met, {smaller} in smaller parts");
+    assert!(met > cases(20) && smaller > cases(10), "too few to tell: {met} met, {smaller} in smaller parts");
 }
 
 /// A belt and stations around it: every station begins when the belt stands, and the belt when all of them are back.
@@ -137,8 +138,8 @@ fn star(around: usize, longer: u32) -> Line {
 
 #[test]
 fn the_parts_of_a_star_are_pairs_and_meet_whatever_the_star_meets() {
-    let (mut met_in, mut stars) = (0, 0);
-    for longer in 0..lines(3) as u32 {
+    let (mut met_in, mut stars) = (0u64, 0u64);
+    for longer in 0..cases(3) as u32 {
         let whole = star(3, longer);
         assert!(parts(&whole).iter().all(|part| part.stations.len() == 2), "{longer:b}: pairs");
         for breakage in breakages(&whole).into_iter().step_by(4) {
@@ -146,12 +147,12 @@ fn the_parts_of_a_star_are_pairs_and_meet_whatever_the_star_meets() {
             for conflict in broken.conflicts.iter().filter(|_| begins_well(&broken)) {
                 stars += 1;
                 let what = format!("{longer:b}, {breakage:?}, {}", conflict.why);
-                met_in += u32::from(whole_and_part(&what, &with_conflict(&broken, conflict)).0);
+                met_in += u64::from(whole_and_part(&what, &with_conflict(&broken, conflict)).0);
             }
         }
     }
     println!("{stars} stars, {met_in} conflicts met");
-    assert!(met_in > 10, "too few to tell: {met_in} of {stars}");
+    assert!(met_in > cases(10), "too few to tell: {met_in} of {stars}");
 }
 
 /// Whatever the whole star does, a pair of it can do: what is switched off for all shows in the pair.
@@ -221,8 +222,8 @@ fn what_restarts_make_wrong_in_the_whole_line_is_wrong_in_a_smallest_part() {
         ("withdraw first", |setting| setting.rules.withdraw_first = false),
     ];
     let shape = LineShape { stations: 3..=3, operations: 2..=3, ..LineShape::small() };
-    let generated = (0..lines(2)).map(|seed| (format!("seed {seed}"), generate::line(&shape, seed)));
-    let stars = (0..lines(2) as u32).map(|longer| (format!("star {longer:b}"), star(2, longer)));
+    let generated = (0..cases(2)).map(|seed| (format!("seed {seed}"), generate::line(&shape, seed)));
+    let stars = (0..cases(2) as u32).map(|longer| (format!("star {longer:b}"), star(2, longer)));
     let (mut found, mut broken_found) = (0, 0);
     for (what, line) in generated.chain(stars) {
         for (rule, change) in rules {

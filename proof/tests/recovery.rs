@@ -15,8 +15,7 @@ use linewright_coordinator_cell::{CellTable, OngoingActivity, OrderKey, RecordKi
 use linewright_proof::cell::{CellExploration, check};
 use linewright_proof::generate::{self, CellShape, Random};
 use linewright_simulation::cell::{CellSim, CellSimOptions, SimulatedOperator, StationSpeed as Takes};
-
-use crate::common::lines;
+use linewright_testkit::cases::cases;
 
 const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
@@ -183,7 +182,7 @@ fn steps(sim: &CellSim) -> impl Iterator<Item = &ExceptionStep> {
 fn every_cell_comes_to_its_end_whatever_goes_wrong() {
     let (mut cells, mut closed, mut down, mut gone) = (0, 0, 0, 0);
     let mut seed = 0;
-    while cells < lines(80) {
+    while cells < cases(80) {
         seed += 1;
         let Some(cell) = sound(seed) else { continue };
         cells += 1;
@@ -202,7 +201,7 @@ fn every_cell_comes_to_its_end_whatever_goes_wrong() {
 #[test]
 fn a_lie_that_a_sensor_sees_is_asked_about_again() {
     let (mut cells, mut lied, mut seed) = (0, 0, 1_000);
-    while cells < lines(25) {
+    while cells < cases(25) {
         seed += 1;
         let Some(cell) = sound(seed) else { continue };
         cells += 1;
@@ -214,5 +213,5 @@ fn a_lie_that_a_sensor_sees_is_asked_about_again() {
         assert_eq!(found, 1 - lies, "seed {seed}: it is found if he has lied");
         lied += found;
     }
-    assert!(lied > 8, "{lied}");
+    assert!(lied as u64 > cases(8), "{lied}");
 }

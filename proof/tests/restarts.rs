@@ -6,8 +6,9 @@ use linewright_line::net::ControlMode;
 use linewright_proof::explore::{Grants, LineExploration, LineExplored, SearchLimits, explore};
 use linewright_proof::generate::{self, LineShape};
 use linewright_testkit::built::transfer_line as shipped;
+use linewright_testkit::cases::cases;
 
-use crate::common::{explored, lines};
+use crate::common::explored;
 
 fn found(setting: &LineExploration) -> LineExplored {
     explore(setting, SearchLimits::default()).expect("the shipped line can be explored")
@@ -49,7 +50,7 @@ fn a_restart_with_its_memory_changes_no_verdict() {
 /// Lines of all kinds. A station without its memory takes nothing back, and requests no agreement to that.
 #[test]
 fn without_its_memory_a_station_asks_for_nothing() {
-    for seed in 0..lines(10) {
+    for seed in 0..cases(10) {
         let line = generate::line(&LineShape { operations: 2..=3, ..LineShape::small() }, seed);
         let explored = explored(&LineExploration::new(&line).with_lost_memories(), 30_000);
         let asks = explored.properties.iter().find(|property| property.reason.contains("of no generation"));
@@ -69,7 +70,7 @@ fn without_the_rule_of_the_round_and_with_restarts_the_wrong_counts_are_found() 
     let story = line_explored.counterexample().expect("the rule is needed");
     assert!(!line_explored.holds() && story.end.contains("are of no cycle"), "{story}");
     // Explored on, as situations of a class are, until a record contradicts itself.
-    for seed in 0..lines(4) {
+    for seed in 0..cases(4) {
         let line = generate::line(&LineShape::small(), seed);
         for grants in [Grants::InEpochs, Grants::Anyhow] {
             for lost in [false, true] {

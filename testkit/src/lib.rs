@@ -4,6 +4,7 @@
 //! fuzz targets depends on this crate.
 
 pub mod built;
+pub mod cases;
 pub mod cells;
 pub mod coloured;
 pub mod crowd;

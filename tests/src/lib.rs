@@ -27,5 +27,5 @@ mod sim;
 
 pub use linewright_simulation::{LogKind, Network, NodeProcess, Rng, RunLog, SimLogEntry};
 pub use observer::IndependentObserver;
-pub use scenario::{hand_button, moments, soak, transfer_line, transfer_line_with};
+pub use scenario::{hand_button, moments, transfer_line, transfer_line_with};
 pub use sim::{QUIET, ROUGH, WatchedLine, network};

@@ -8,6 +8,7 @@ use linewright_line::{AxisId, ButtonId, Device, Line, OpId, OutputId, Owner, Sta
 use linewright_plant::{DeviceFault, FrameFaults, MotionFault};
 use linewright_simulation::{MotionSelection, Network, NodeProcess, OperatorAction};
 use linewright_station_logic::Controller;
+use linewright_testkit::cases::cases;
 
 use crate::observer::IndependentObserver;
 use crate::sim::WatchedLine;
@@ -287,13 +288,8 @@ fn node_of(device: &Device) -> NodeId {
 /// A cycle of the shipped line, in ms.
 const CYCLE: u64 = 3560;
 
-/// Moments of a cycle, in ms: `first`, and from there on every so many; with [`soak`] as many times more.
+/// Moments of a cycle, in ms: `first`, and from there on every so many; more or fewer with [`cases`].
 pub fn moments(first: u64, every: u64) -> impl Iterator<Item = u64> {
-    let step = (every / soak()).max(1);
+    let step = CYCLE.div_ceil(cases(CYCLE / every));
     (first % step..CYCLE).step_by(step as usize)
-}
-
-/// By how much to multiply the seeds of a randomised test: the environment variable `LINEWRIGHT_SOAK`, or 1.
-pub fn soak() -> u64 {
-    std::env::var("LINEWRIGHT_SOAK").ok().and_then(|times| times.parse().ok()).unwrap_or(1)
 }

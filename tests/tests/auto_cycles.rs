@@ -16,6 +16,7 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::Tick;
 use linewright_line::net::{Block, ControlMode};
 use linewright_station_logic::HappeningKind;
+use linewright_testkit::cases::cases;
 use linewright_tests::{QUIET, ROUGH, WatchedLine, transfer_line, transfer_line_with};
 
 /// Station, operation, start and end in milliseconds after the first lift of its cycle.
@@ -138,7 +139,7 @@ fn master_stop_halts_every_station_at_home_and_start_and_auto_go_on() {
 #[test]
 fn master_stop_just_as_the_next_round_begins() {
     for seed in 0..3 {
-        for micros in (0..2400).step_by(60) {
+        for micros in (0..2400).step_by((2400 / cases(40)).max(1) as usize) {
             let mut sim = WatchedLine::new(&transfer_line(1.0), seed);
             sim.start_auto();
             sim.run_until_done("clamp_1", "return clamp", 2);

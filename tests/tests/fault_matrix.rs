@@ -15,7 +15,8 @@ use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{DeviceIdentity, Line, Owner, Reaction, StationId};
 use linewright_plant::{DeviceFault, FrameFaults};
 use linewright_station_logic::{HappeningKind, StopCause};
-use linewright_tests::{Rng, WatchedLine, moments, soak, transfer_line};
+use linewright_testkit::cases::cases;
+use linewright_tests::{Rng, WatchedLine, moments, transfer_line};
 
 /// Faults, in this order, and the expected description.
 struct Case {
@@ -151,11 +152,11 @@ fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationI
     sim.goes_on(&lives);
 }
 
-/// Every 720 ms; with `LINEWRIGHT_SOAK=3` every 240 ms.
-fn all_through_the_cycle(cases: &[Case]) {
+/// Every 720 ms; with `LINEWRIGHT_CASES=300` every 240 ms.
+fn all_through_the_cycle(of: &[Case]) {
     let line = line();
     let mut played = 0;
-    for (nth, case) in cases.iter().enumerate() {
+    for (nth, case) in of.iter().enumerate() {
         for (at, device) in devices(&line).iter().enumerate().filter(|(_, device)| concerns(&line, case, &device.0)) {
             // Not the same moments for all: together they are closer than each.
             for moment in moments(nth as u64 * 137 + at as u64 * 240, 720) {
@@ -290,7 +291,7 @@ fn frames_that_are_lost_or_come_twice() {
 /// Any of it, at any moment, several at once; then all is repaired.
 #[test]
 fn whatever_devices_suffer_the_line_comes_back() {
-    for seed in 0..40 * soak() {
+    for seed in 0..cases(40) {
         let line = line();
         let mut rng = Rng::new(seed);
         let mut sim = WatchedLine::new(&line, seed);

@@ -6,7 +6,7 @@
 //!   operator C ── advance/return ─────────────────────────────────────────────────────┘
 //! ```
 //!
-//! The seeds of the three-operator test are many; `LINEWRIGHT_SOAK=50 cargo test --release -p linewright-tests` runs
+//! The seeds of the three-operator test are many; `LINEWRIGHT_CASES=5000 cargo test --release -p linewright-tests` runs
 //! fifty times as many.
 
 use std::time::Duration;
@@ -16,7 +16,8 @@ use linewright_line::StationId;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_plant::MotionFault;
 use linewright_station_logic::HappeningKind;
-use linewright_tests::{QUIET, Rng, WatchedLine, network, soak, transfer_line};
+use linewright_testkit::cases::cases;
+use linewright_tests::{QUIET, Rng, WatchedLine, network, transfer_line};
 
 /// Breaks the mill's feed in its second cycle, repairs it, and enters manual.
 fn mill_broken_in_its_feed() -> WatchedLine {
@@ -137,7 +138,7 @@ fn three_operators_at_three_panels_at_once() {
     if let Some(seed) = std::env::var("LINEWRIGHT_SEED").ok().and_then(|seed| seed.parse().ok()) {
         return three_operators(seed, seed % 2 == 1);
     }
-    for seed in 0..350 * soak() {
+    for seed in 0..cases(350) {
         three_operators(seed, seed % 2 == 1);
     }
 }

@@ -4,7 +4,7 @@
 //! this test's assertions are. At the end of each run the world is repaired, and the line must come back to auto by
 //! what its operators can do, and make two more parts.
 //!
-//! A long soak: `LINEWRIGHT_SOAK=100 cargo test --release -p linewright-tests random_actions`. A seed that
+//! A long soak: `LINEWRIGHT_CASES=10000 cargo test --release -p linewright-tests random_actions`. A seed that
 //! failed: `LINEWRIGHT_SEED=777 cargo test -p linewright-tests random_actions`.
 
 use std::time::Duration;
@@ -13,7 +13,8 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, Owner, StationId};
 use linewright_plant::{DeviceFault, MotionFault};
-use linewright_tests::{NodeProcess, QUIET, ROUGH, Rng, WatchedLine, soak, transfer_line_with};
+use linewright_testkit::cases::cases;
+use linewright_tests::{NodeProcess, QUIET, ROUGH, Rng, WatchedLine, transfer_line_with};
 
 const FAULTS: [MotionFault; 4] = [MotionFault::Stick, MotionFault::Slip, MotionFault::Break, MotionFault::SlipBack];
 
@@ -231,7 +232,7 @@ fn whatever_happens_nothing_collides_and_the_line_comes_back() {
     if let Some(seed) = std::env::var("LINEWRIGHT_SEED").ok().and_then(|seed| seed.parse().ok()) {
         return run(seed);
     }
-    for seed in 0..150 * soak() {
+    for seed in 0..cases(150) {
         run(seed);
     }
 }

@@ -21,6 +21,8 @@ usage: cargo xtask COMMAND
   test [--quick]     format, house rules, spelling, lints, all tests, documentation; ends with `N passed, N failed`
                      --quick: of the tests only short ones that need no socket, process or clock; no documentation
                      fetches first what tests need of the machine: CAN sockets, foreign stacks (see set-up)
+  test --long        what computes for minutes alone, with sixteen times the generated cases, optimised; LINEWRIGHT_CASES is the
+                     percentage of what each test states
   set-up             that alone: Debian packages, as root; Python packages, below the target directory
   tidy               the house rules alone
   bench [FILTER]...  every benchmark; what follows goes to the benchmarks
@@ -34,6 +36,7 @@ fn main() -> ExitCode {
     let good = match words[..] {
         ["test"] => suite::run(&root, suite::Extent::Everything),
         ["test", "--quick"] => suite::run(&root, suite::Extent::Quick),
+        ["test", "--long"] => suite::run(&root, suite::Extent::Long),
         ["set-up"] => {
             let setup = setup::run(&root);
             setup.missing.iter().for_each(|missing| println!("set-up: {missing}"));

@@ -20,14 +20,23 @@ pub enum Extent {
     Everything,
     /// Parts that take seconds once they are built.
     Quick,
+    /// The long tests alone, with more cases than are waited for elsewhere.
+    Long,
 }
+
+/// The environment variable for the cases of generated tests, in percent of what each states: `testkit/src/cases.rs`.
+const CASES: &str = "LINEWRIGHT_CASES";
+/// For a run that is waited for, and for one that is not. What the environment has goes before.
+const FEW_CASES: &str = "25";
+const MANY_CASES: &str = "400";
 
 /// Parts of the names of long tests, of one package where its name stands before. Most of them explore or play generated
 /// lines and cells.
-const LONG: [&str; 18] = [
+const LONG: [&str; 19] = [
     "linewright-coordinator-cell planning::",
     "linewright-faults every_rule_that",
-    "linewright-faults with_real_stations",
+    "linewright-faults whatever_happens",
+    "linewright-tests ::",
     "linewright-recovery brute_force::",
     "linewright-recovery random_plays::",
     "linewright-proof agreement::",
@@ -54,6 +63,7 @@ pub fn run(root: &Path, extent: Extent) -> bool {
     match extent {
         Extent::Everything => everything(root, &mut tally),
         Extent::Quick => quick(root, &mut tally),
+        Extent::Long => long(root, &mut tally),
     }
     println!();
     tally.skipped.iter().for_each(|skipped| println!("{skipped}"));
@@ -85,6 +95,7 @@ fn everything(root: &Path, tally: &mut TestTally) {
             stage
         });
         let mut command = cargo(root, &["test", "--workspace", "--no-fail-fast", "--", "--show-output"]);
+        command.env(CASES, cases_or(FEW_CASES));
         setup.apply(command.args(["--skip", PROCESSES]));
         tests(tally, command);
         lints(root, tally);
@@ -133,10 +144,64 @@ fn quick(root: &Path, tally: &mut TestTally) {
     format_and_rules(root, tally);
     spelling(root, &setup::find(root), tally);
     lints(root, tally);
+    let is_quick = |name: &str| tidy::PURE.contains(&name) || ["linewright-msgs", "xtask"].contains(&name);
+    let setup = setup::find(root);
+    let programs = test_programs(root, tally, &[]);
+    heading("tests");
+    let start = Instant::now();
+    for program in programs.iter().filter(|program| is_quick(&program.package)) {
+        let skipped = long_of(&program.package).flat_map(|name| ["--skip", name]);
+        let mut command = program.command();
+        command.args(skipped).env(CASES, cases_or(FEW_CASES));
+        setup.apply(&mut command);
+        counted(tally, &program.path, command, &[0], |line| println!("{line}"));
+    }
+    println!("tests: {:.0?}", start.elapsed());
+    tally.skip("SKIPPED tests of the crates with sockets and processes, long tests, and documentation: --quick");
+}
+
+/// Long tests, also those that are ignored elsewhere. Optimised: they compute for minutes.
+fn long(root: &Path, tally: &mut TestTally) {
+    let programs = test_programs(root, tally, &["--release"]);
+    heading("long tests");
+    for program in &programs {
+        let start = Instant::now();
+        let names: Vec<&str> = long_of(&program.package).collect();
+        // Then those that no other run has. In crates that start processes what is ignored is such a process.
+        let ignored = tidy::PURE.contains(&program.package.as_str()).then_some(&["--ignored"][..]);
+        for extent in [&names[..]].into_iter().chain(ignored) {
+            let mut command = program.command();
+            command.args(extent).env(CASES, cases_or(MANY_CASES));
+            counted(tally, &program.path, command, &[0], |line| {
+                if !line.contains("test result: ok. 0 passed") {
+                    println!("{line}");
+                }
+            });
+        }
+        println!("{}: {:.0?}", program.package, start.elapsed());
+    }
+}
+
+/// Cases in percent: what the environment has, or these.
+fn cases_or(percent: &str) -> String {
+    std::env::var(CASES).unwrap_or_else(|_| percent.to_owned())
+}
+
+/// The names of a package's long tests, or parts of them.
+fn long_of(package: &str) -> impl Iterator<Item = &'static str> {
+    LONG.iter().filter_map(move |long| match long.split_once(' ') {
+        Some((of, name)) => (of == package).then_some(name),
+        None => Some(*long),
+    })
+}
+
+/// Builds the programs with tests.
+fn test_programs(root: &Path, tally: &mut TestTally, more: &[&str]) -> Vec<TestProgram> {
     heading("build");
     let mut programs = Vec::new();
-    let command =
-        cargo(root, &["test", "--workspace", "--no-run", "--quiet", "--message-format=json-render-diagnostics"]);
+    let args = ["test", "--workspace", "--no-run", "--quiet", "--message-format=json-render-diagnostics"];
+    let mut command = cargo(root, &args);
+    command.args(more);
     let ended = lines(command, |stream, line| match stream {
         Stream::Out => programs.extend(TestProgram::of(line)),
         Stream::Err => println!("{line}"),
@@ -145,22 +210,7 @@ fn quick(root: &Path, tally: &mut TestTally) {
     if !matches!(ended, Ok(Some(0))) {
         tally.failed += 1;
     }
-    let is_quick = |name: &str| tidy::PURE.contains(&name) || ["linewright-msgs", "xtask"].contains(&name);
-    let setup = setup::find(root);
-    heading("tests");
-    let start = Instant::now();
-    for program in programs.iter().filter(|program| is_quick(&program.package)) {
-        let of_program = |long: &&'static str| match long.split_once(' ') {
-            Some((package, name)) => (package == program.package).then_some(name),
-            None => Some(*long),
-        };
-        let skipped = LONG.iter().filter_map(of_program).flat_map(|name| ["--skip", name]);
-        let mut command = Command::new(&program.path);
-        setup.apply(command.current_dir(&program.dir).arg("--show-output").args(skipped));
-        counted(tally, &program.path, command, &[0], |line| println!("{line}"));
-    }
-    println!("tests: {:.0?}", start.elapsed());
-    tally.skip("SKIPPED tests of the crates with sockets and processes, long tests, and documentation: --quick");
+    programs
 }
 
 /// A program with tests, as cargo describes it.
@@ -173,6 +223,13 @@ struct TestProgram {
 }
 
 impl TestProgram {
+    /// Runs it in the directory of its package.
+    fn command(&self) -> Command {
+        let mut command = Command::new(&self.path);
+        command.current_dir(&self.dir).arg("--show-output");
+        command
+    }
+
     /// From one of cargo's messages in JSON; `None` for any other message, and for programs that are built but are no tests.
     fn of(line: &str) -> Option<Self> {
         let text = |key: &str| {

@@ -15,6 +15,7 @@ use linewright_line::Line;
 use linewright_line::net::ControlMode;
 use linewright_proof::explore::{Grants, LineExplored, Verdict};
 use linewright_proof::generate::{self, Breakage, LineShape, Random, break_it, breakages};
+use linewright_testkit::cases::cases;
 
 use crate::common::{self, HOME, auto_and_manual, explored, verdict};
 
@@ -117,8 +118,8 @@ fn small_lines_are_sound_and_both_see_equally_many_states() {
 fn long_walks_with_every_mode_restarts_and_careless_hands_meet_nothing_wrong() {
     let fixed = [lines::shipped(), lines::small(), lines::bar_and_clamp(), lines::clamp_and_mill(), lines::two_jaws()];
     let fixed = fixed.into_iter().chain([lines::table_and_drill()]);
-    let generated = (0..common::lines(8)).map(|seed| generate::line(&LineShape::small(), seed));
-    let walks = fixed.map(|line| (line, common::lines(40_000) as usize)).chain(generated.map(|line| (line, 5_000)));
+    let generated = (0..cases(8)).map(|seed| generate::line(&LineShape::small(), seed));
+    let walks = fixed.map(|line| (line, cases(40_000) as usize)).chain(generated.map(|line| (line, 5_000)));
     for (seed, (line, steps)) in walks.enumerate() {
         let mut setting = world::Setting::new(lines::without_haste(line));
         setting.modes = ControlMode::ALL.into_iter().filter(|mode| *mode != ControlMode::Home).collect();
@@ -140,7 +141,7 @@ fn tiny() -> LineShape {
 
 /// Generated lines are compared until so many were seen to the end by both.
 fn generated_lines_agree(freedom: Freedom, wanted: u64, states: usize) {
-    let (wanted, mut compared, mut seed) = (common::lines(wanted), 0, 0);
+    let (wanted, mut compared, mut seed) = (cases(wanted), 0, 0);
     while compared < wanted && seed < 20 * wanted {
         let line = generate::line(&tiny(), seed);
         compared += u64::from(agree(&format!("line {seed}"), &line, freedom, states).is_some());
@@ -174,7 +175,7 @@ fn of_generated_lines_in_hand_mode_both_say_the_same() {
 fn of_broken_lines_both_say_the_same() {
     let mut random = Random::new(1);
     let (mut wrong, mut compared) = (0, 0);
-    for seed in 0..common::lines(40) {
+    for seed in 0..cases(40) {
         let line = generate::line(&tiny(), seed);
         let all: Vec<Breakage> = breakages(&line);
         let breakage = *random.pick(&all);

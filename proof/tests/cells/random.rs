@@ -3,10 +3,10 @@
 use linewright_cell::net::Detail;
 use linewright_proof::cell::{CellExploration, Checked, Verdict, check};
 use linewright_proof::generate::{self, CellShape};
+use linewright_testkit::cases::cases;
 
 use super::oracle::{Played, groups, play};
 use super::{cell, checked, verdicts};
-use crate::common::lines;
 
 /// More moments than this are not looked at one by one.
 const MOMENTS_MAX: usize = 8_000;
@@ -53,7 +53,7 @@ fn the_check_finds_what_a_player_of_parts_finds() {
     let (mut seen, mut of) = (0, [0; 2]);
     let (mut apart, mut too_large) = (0, 0);
     for seed in 0.. {
-        if seen == lines(100) {
+        if seen == cases(100) {
             break;
         }
         let text = generate::cell(&CellShape { apart: 10, ..CellShape::small() }, seed);
@@ -71,13 +71,13 @@ fn the_check_finds_what_a_player_of_parts_finds() {
     }
     let [sound, wrong] = of;
     println!("{sound} sound, {wrong} get stuck; {apart} in groups, {too_large} too large");
-    assert!(sound >= lines(10) && wrong >= lines(10) && apart >= lines(3));
+    assert!(sound >= cases(10) && wrong >= cases(10) && apart >= cases(3));
 }
 
 /// Starts and ends explored apart give the same verdicts as whole activities, and about as many parts.
 #[test]
 fn both_details_say_the_same() {
-    for seed in 0..lines(30) {
+    for seed in 0..cases(30) {
         let cell = cell(&generate::cell(&CellShape { wip: 1..=3, ..CellShape::small() }, seed));
         let whole = checked(&cell);
         let fully =

@@ -5,12 +5,6 @@ use linewright_line::{Arrow, Conflict, Line};
 use linewright_proof::explore::{Grants, LineExploration, LineExplored, SearchLimits, Verdict, explore};
 use linewright_proof::structure::chart::{every_circuit_has_a_token, home_is_consistent, run_ahead};
 
-/// Number of lines or cells to generate: as many as a build can wait for, or `GENERATED_LINES` times as many hundredths of it.
-pub fn lines(default: u64) -> u64 {
-    let percent = std::env::var("GENERATED_LINES").ok().and_then(|text| text.parse().ok()).unwrap_or(100);
-    (default * percent / 100).max(1)
-}
-
 /// As far as a test looks.
 pub fn limit(states: usize) -> SearchLimits {
     SearchLimits { states, ..SearchLimits::default() }

@@ -93,6 +93,7 @@ every_s = { distribution = "exponential", mean = 20 }
 /// ρ = 1/2, service 10 s: the mean waiting time of M/M/1 is ρ/(1 − ρ) of a service, of M/D/1 half of that (Pollaczek and
 /// Khinchine); by Little as many are inside as arrive in a time in the system.
 #[test]
+#[ignore = "long: `cargo xtask test --long`"]
 fn waiting_times_of_m_m_1_and_m_d_1_are_those_of_theory() {
     let exponential = "[[time]]\nof = [\"M.process\"]\nfactor = { distribution = \"exponential\", mean = 1 }\n";
     let m_m_1 = figures(&format!("{POISSON}{exponential}"), 8);
@@ -137,6 +138,7 @@ fn a_machine_is_available_for_mtbf_of_mtbf_and_mttr() {
 
 /// Half idle, it fails half as often by its own work as by the calendar.
 #[test]
+#[ignore = "long: `cargo xtask test --long`"]
 fn breakdowns_by_operating_time_are_fewer_with_less_work() {
     let scenario = |clock: &str| {
         format!(
