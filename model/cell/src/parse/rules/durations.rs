@@ -42,14 +42,9 @@ impl ChartedTask<'_> {
 /// What the stations of an activity take by their charts: at least the longest of their tasks, and at most all of them one after the other
 /// where they wait for each other. A `time_s` outside of that plans with another cell than the one that is described. Where a step gives a
 /// program its time is the program's. A task that is done for several steps has one duration, around which their times may lie.
-pub(super) fn times_are_those_of_the_charts(
-    draft: &DraftCell<'_>,
-    activity: &DraftActivity<'_>,
-    report: &mut Report,
-) {
-    let is_programmed = |order: &DraftOrder<'_>| {
-        order.parameters.iter().any(|(_, source)| matches!(source, ParameterSource::Program))
-    };
+pub(super) fn times_are_those_of_the_charts(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
+    let is_programmed =
+        |order: &DraftOrder<'_>| order.parameters.iter().any(|(_, source)| matches!(source, ParameterSource::Program));
     if activity.orders.iter().any(is_programmed) {
         return;
     }
@@ -84,7 +79,8 @@ pub(super) fn times_are_those_of_the_charts(
             seconds(time.value),
             activity.name
         );
-        let hint = format!("in the line's description {}: write here what that takes, or change it there", charts.join("; "));
+        let hint =
+            format!("in the line's description {}: write here what that takes, or change it there", charts.join("; "));
         report.add(Problem::warning(time.at, message).label("differs by more than a tenth").hint(hint));
     }
 }
