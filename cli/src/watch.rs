@@ -152,6 +152,7 @@ pub const REASONS_EVERY: Duration = Duration::from_secs(1);
 const CHART_SECONDS: f64 = 12.0;
 /// Number of the last messages shown.
 const MESSAGES: usize = 6;
+const MESSAGES_TITLE: &str = "events, the newest last:";
 
 /// State of the view beside the newest states.
 pub struct WatchState {
@@ -256,10 +257,9 @@ impl WatchState {
             }
         }
         let head: Vec<String> = self.head.iter().flat_map(|line| wrapped(line, 4, width)).collect();
-        let mut messages: Vec<String> = self.messages.iter().flat_map(|line| wrapped(line, 4, width)).collect();
         let has_head = head.len() + states.len() < height;
         let room = height - states.len().min(height) - if has_head { head.len() } else { 0 };
-        messages.drain(..messages.len().saturating_sub(room.saturating_sub(1)));
+        let messages = self.events(width, room.saturating_sub(1));
         let chart = self.bars(width);
         let has_chart = !chart.is_empty() && chart.len() + messages.len() + 2 <= room;
         let mut lines = if has_head { head } else { Vec::new() };
@@ -269,6 +269,16 @@ impl WatchState {
                 lines.push(String::new());
                 lines.extend(part);
             }
+        }
+        lines
+    }
+
+    /// The last messages below a title, in so many lines at most; none where there are none, or no room.
+    fn events(&self, width: usize, room: usize) -> Vec<String> {
+        let mut lines: Vec<String> = self.messages.iter().flat_map(|line| wrapped(line, 4, width)).collect();
+        lines.drain(..lines.len().saturating_sub(room.saturating_sub(1)));
+        if !lines.is_empty() {
+            lines.insert(0, MESSAGES_TITLE.to_owned());
         }
         lines
     }
@@ -399,6 +409,18 @@ mod tests {
         assert!(!view.bars(100).is_empty());
         view.has_chart = false;
         assert!(view.bars(100).is_empty());
+    }
+
+    /// What has happened stands apart from what is so now.
+    #[test]
+    fn the_last_events_stand_below_a_title() {
+        let text = linewright_line::TransferLine::default().text();
+        let mut view = WatchState::new(&linewright_line::parse("line.toml", &text).expect("parses").line);
+        assert!(view.events(60, 10).is_empty());
+        ["a", "b", "c"].into_iter().for_each(|event| view.say(event.to_owned()));
+        assert_eq!(view.events(60, 10).len(), 4);
+        assert_eq!(view.events(60, 3), [MESSAGES_TITLE, "b", "c"]);
+        assert!(view.events(60, 1).is_empty() && view.events(60, 0).is_empty());
     }
 
     #[test]

@@ -219,7 +219,8 @@ fn a_cell_beside_a_line_is_checked_with_it() {
     scratch.changed("watchdog_s = 1.0", "watchdog_s = 1.0");
     let cell = cell_text("assembly-cell").replace("name = \"assembly_cell\"", "name = \"transfer_line\"");
     let cell = cell.split("[[exception]]").next().expect("the text before it");
-    let without: Vec<&str> = cell.lines().filter(|line| !line.starts_with("station =")).collect();
+    let without: Vec<&str> =
+        cell.lines().filter(|line| !["station =", "presence ="].iter().any(|key| line.starts_with(key))).collect();
     let without = without.join("\n");
     // Orders stand in one line, or in one line each between brackets.
     let is_order = |line: &str| line.starts_with("orders =") || line.starts_with("  { station") || line == "]";

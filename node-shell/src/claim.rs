@@ -93,7 +93,9 @@ impl Claim {
     /// When another process holds it.
     pub fn bus(place: &str) -> Result<Self, ClaimError> {
         let what = format!("a manager of CAN bus {place}");
-        Self::named(&format!("linewright/bus/{place}"), what, "End that process first, or give this one another bus.")
+        let advice = "End that process first, or give this one another bus: `--bus vcan1` for the line's, `bus` in the description for a \
+                      station's own. Virtual buses are others in another directory as well: set LINEWRIGHT_BUS_DIR, for all commands of this line.";
+        Self::named(&format!("linewright/bus/{place}"), what, advice)
     }
 
     /// Marks `interface`, which is at `place` (see [`Claim::bus`]), as the bus that this node manages; processes of this machine

@@ -322,7 +322,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     let machine = of.table.handling().resource_name(of.table.handling().mode(mode).to.expect("a machine")).to_owned();
     let expected = "R grasped no part at slot 1 of ST. Put part 1 into that slot; if it lies there, look at the sensor in the hand. (";
     assert!(text.starts_with(expected), "{text}");
-    assert!(text.contains(": robot: awaited input not on in time (code 24): part_in_hand, after "), "{text}");
+    assert!(text.contains(": robot: awaited input not on in time (code 24): part_in_hand at `grasp for m"), "{text}");
     let station = machine.to_lowercase();
     assert!(text.ends_with(&format!("robot: at rest, {station}: at rest)")), "{text}");
     let waited = since.since(started);
@@ -366,6 +366,31 @@ fn a_part_that_falls_on_its_way_is_missed_at_the_machine() {
     let alarm = sim.state().exceptions().alarms().next().expect("somebody is told");
     assert!(alarm.text.starts_with("R came to M") && alarm.text.contains(" without part 1. "), "{}", alarm.text);
     assert!(alarm.since >= Tick::from_millis(24_000), "{:?}", alarm.since);
+}
+
+/// In the assembly cell the hand is looked into where it has come to: nobody waits for a part that does not come.
+#[test]
+fn a_part_that_falls_on_its_way_is_missed_when_the_arm_is_there() {
+    for (parts, way, grasp) in
+        [([1, 0, 0], "robot_2", "grasp for robot 2"), ([0, 1, 0], "human", "grasp for the human")]
+    {
+        let of = shipped("assembly-cell", &parts);
+        let mut sim = of.sim(options(1, 0, Vec::new()), 0.0);
+        let mut dispatcher = dispatcher(&of.cell, &of.table);
+        let robot = of.line.station_named("robot_1").expect("there");
+        let grasp = of.line.station(robot).operation_named(grasp);
+        let now = sim.now;
+        let plant = sim.floor.as_mut().expect("real stations").plant_mut();
+        plant.inject(now, robot, grasp.expect("it does that"), Some(MotionFault::Drop));
+        sim.run(&mut dispatcher, LONG);
+        let alarm = sim.state().exceptions().alarms().next().expect("somebody is told");
+        let text = &alarm.text;
+        assert!(text.starts_with(&format!("robot_1 has lost part 1 on its way from input to {way}. ")), "{text}");
+        assert!(text.contains("(code 25): part_in_hand at `carry to "), "{text}");
+        // It has waited 0.5 s at the end of its way, and gone back.
+        assert!(alarm.since < Tick::from_millis(5000), "{:?}", alarm.since);
+        assert!(!alarm.words.is_empty() && alarm.words[0] == "again", "{:?}", alarm.words);
+    }
 }
 
 /// Kind of a record of exceptions or of the starts of one mode.

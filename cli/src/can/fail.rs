@@ -2,6 +2,7 @@
 
 mod cleared;
 mod motions;
+mod refusals;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -16,7 +17,8 @@ use super::injected::InjectedFault;
 use super::simulated::SimulatedDevice;
 use crate::load;
 use cleared::Cleared;
-use motions::{closes_a_gripper, has_fault_signal, motion, no_gripper};
+use motions::{closes_a_gripper, has_fault_signal, motion};
+use refusals::{needs, no_fault_signal, no_gripper, wrong_option};
 
 /// Make a simulated mechanism, switch or device fail.
 #[derive(Debug, Args)]
@@ -31,7 +33,8 @@ pub struct FailArgs {
     /// Fault, or `clear`.
     what: InjectedFault,
     /// Operation whose motion has the fault; required for a fault of a motion. It is one of the output that moves it: other motions
-    /// by that output, which are named, have it as well.
+    /// by that output, which are named, have it as well, each time until it is cleared. For `miss` and `drop` it is the operation that
+    /// closes the gripper, also where the part is lost on the way.
     #[arg(long)]
     operation: Option<String>,
     /// The fault is one of the operation's recovery motion instead of the normal one.
@@ -111,8 +114,7 @@ fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {
 fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device, ObjectWrites)>> {
     let what = args.what;
     if args.operation.is_some() {
-        let fault =
-            what.of_a_motion().ok_or_else(|| miette!("{} is no fault of a motion; omit --operation", what.name()))?;
+        let fault = what.of_a_motion().ok_or_else(|| wrong_option(args))?;
         let (device, sub) = moving(line, args)?;
         if let Some(fault) = fault.filter(|fault| device.drive().is_some() && !MotionFault::OF_DRIVE.contains(fault)) {
             let can = MotionFault::OF_DRIVE.map(MotionFault::name).join(" or ");
@@ -123,12 +125,7 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
             ));
         }
         if fault == Some(MotionFault::Break) && device.drive().is_none() && !has_fault_signal(line, args)? {
-            return Err(miette!(
-                help = "stick: it does not move, and its watchdog ends it",
-                "`{}` of {} has no fault signal that could come on: it cannot break",
-                args.operation.as_deref().unwrap_or_default(),
-                args.station
-            ));
+            return Err(no_fault_signal(line, args));
         }
         if let Some(fault @ (MotionFault::Miss | MotionFault::Drop)) = fault
             && !closes_a_gripper(line, args)?
@@ -139,8 +136,7 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
     }
     let owner = owner(line, args)?;
     if let Some(name) = &args.input {
-        let fault =
-            what.of_an_input().ok_or_else(|| miette!("{} is no fault of an input; omit --input", what.name()))?;
+        let fault = what.of_an_input().ok_or_else(|| wrong_option(args))?;
         let (device, bit) = input(line, owner, &args.station, name)?;
         return Ok(vec![(device, InputFault::orders(bit, fault))]);
     }
@@ -161,23 +157,6 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
         _ => devices.truncate(1),
     }
     Ok(devices.into_iter().map(|device| (device, orders.clone())).collect())
-}
-
-/// Error: what has the fault is not named.
-fn needs(line: &Line, owner: Owner, args: &FailArgs) -> miette::Report {
-    let is_input = matches!(args.what, InjectedFault::Input(_));
-    let option = if is_input { "--input" } else { "--operation" };
-    let names: Vec<&str> = match owner {
-        Owner::Console if is_input => line.console.inputs.iter().map(String::as_str).collect(),
-        Owner::Console => Vec::new(),
-        Owner::Station(id) if is_input => line.station(id).inputs.iter().map(String::as_str).collect(),
-        Owner::Station(id) => line.station(id).operations.iter().map(|operation| operation.name.as_str()).collect(),
-    };
-    let help = match names.is_empty() {
-        true => format!("{} has none", args.station),
-        false => format!("one of {}", quoted(names.into_iter())),
-    };
-    miette!(help = help, "{} needs {option}", args.what.name())
 }
 
 fn owner(line: &Line, args: &FailArgs) -> miette::Result<Owner> {
@@ -225,7 +204,10 @@ fn input<'a>(line: &'a Line, owner: Owner, of: &str, name: &str) -> miette::Resu
             });
         }
     }
-    Err(miette!("no device has the input `{name}` of {of}"))
+    Err(miette!(
+        help = "an input is bound to a device by its name, in `inputs` of a [[device]]",
+        "no device has the input `{name}` of {of}"
+    ))
 }
 
 /// The device that drives an operation, and the subindex of its fault object: output bit + 1.
@@ -241,7 +223,11 @@ fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
             return Ok((device, u8::try_from(motion + 1).into_diagnostic()?));
         }
     }
-    Err(miette!("no device of {} drives {name}", args.station))
+    Err(miette!(
+        help = "faults can be given to motions of devices with simulated outputs: CANopen and Modbus I/O, and drives",
+        "no device of {} that takes faults drives `{name}`",
+        args.station
+    ))
 }
 
 #[cfg(test)]
@@ -298,11 +284,8 @@ mod tests {
         let error = |args: &FailArgs| orders(&line, args).expect_err("it is refused");
         let help = |error: &miette::Report| error.help().map(|help| help.to_string()).unwrap_or_default();
         let bare = error(&args("clamp_1", stuck));
-        assert_eq!(bare.to_string(), "stuck-off needs --input");
-        assert!(help(&bare).starts_with("one of `LS_open`, `LS_closed`, "), "{bare:?}");
-        let bare = error(&args("clamp_1", InjectedFault::Motion(MotionFault::Stick)));
-        assert_eq!(bare.to_string(), "stick needs --operation");
-        assert!(help(&bare).contains("`advance clamp`"), "{bare:?}");
+        assert_eq!(bare.to_string(), "stuck-off needs --input, with the name of an input of clamp_1");
+        assert!(help(&bare).contains("`LS_open`, `LS_closed`, "), "{bare:?}");
         let operation = Some("advancex clamp".to_owned());
         let meant = FailArgs { operation, ..args("clamp_1", InjectedFault::Motion(MotionFault::Stick)) };
         assert_eq!(help(&error(&meant)), "did you mean `advance clamp`?");
@@ -369,7 +352,7 @@ mod tests {
                 outcome.expect("its signal comes on");
             } else if let Err(why) = outcome {
                 assert!(why.to_string().ends_with("has no fault signal that could come on: it cannot break"), "{why}");
-                assert!(why.help().is_some_and(|help| help.to_string().starts_with("stick")));
+                assert!(why.help().is_some_and(|help| help.to_string().starts_with("`stick`")));
                 refused += 1;
             }
         }

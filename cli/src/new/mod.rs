@@ -51,7 +51,7 @@ struct TransferLineArgs {
 /// What it is called, and where it goes.
 #[derive(Debug, clap::Args)]
 struct NewTarget {
-    /// Name, which is the ROS namespace: lower-case letters, digits and single `_`, a letter first.
+    /// Name, which is the ROS namespace and the directory that is made here: lower-case letters, digits and single `_`, a letter first.
     #[arg(value_name = "NAME", value_parser = name)]
     name: Option<String>,
     /// The same as NAME.
@@ -71,8 +71,20 @@ fn name(word: &str) -> Result<String, String> {
     ros_name(&Located::new(word.to_owned(), 0..word.len()), "line or cell", &mut report);
     match report.into_problems("", word).into_vec().pop() {
         None => Ok(word.to_owned()),
-        Some(problem) => Err(format!("{}: {}", problem.message, problem.hint.unwrap_or_default())),
+        Some(problem) => {
+            let meant = meant_name(word).map_or_else(String::new, |name| format!("; `{name}` would do"));
+            let dir = if word.contains(std::path::MAIN_SEPARATOR) { "; a directory is given with --dir" } else { "" };
+            Err(format!("{}: {}{meant}{dir}", problem.message, problem.hint.unwrap_or_default()))
+        }
     }
+}
+
+/// The name that is nearest to a word or to the end of a path; none where nothing of it can be in a name.
+fn meant_name(word: &str) -> Option<String> {
+    let last = Path::new(word).file_name()?.to_str()?.to_lowercase();
+    let words: Vec<&str> = last.split(|c: char| !c.is_ascii_alphanumeric()).filter(|part| !part.is_empty()).collect();
+    let name = words.join("_");
+    Some(name.trim_start_matches(|c: char| !c.is_ascii_lowercase()).to_owned()).filter(|name| !name.is_empty())
 }
 
 fn machines(word: &str) -> Result<usize, String> {
@@ -197,5 +209,21 @@ fn write(file: &Path, text: &str, force: bool) -> miette::Result<()> {
         }
         Err(error) if error.kind() == ErrorKind::AlreadyExists => Err(is_there(file)),
         Err(error) => Err(error).into_diagnostic().wrap_err_with(|| format!("cannot write {name}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::name;
+
+    #[test]
+    fn a_name_that_cannot_be_one_is_refused_with_one_that_can_and_where_a_directory_goes() {
+        assert_eq!(name("my_cell").as_deref(), Ok("my_cell"));
+        let refused = |word| name(word).expect_err("it is no ROS name");
+        let path = refused("cells/My-Cell 2");
+        assert!(path.ends_with("; `my_cell_2` would do; a directory is given with --dir"), "{path}");
+        let bare = refused("2Cells");
+        assert!(bare.ends_with("; `cells` would do"), "{bare}");
+        assert!(refused("42").starts_with("`42` cannot be the name of a line or cell: "), "{}", refused("42"));
     }
 }

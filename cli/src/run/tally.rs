@@ -11,6 +11,9 @@ use serde::Serialize;
 
 use super::observer::BusObserver;
 
+/// At most this many different faults of one station are kept.
+const FAULTS_LISTED: usize = 5;
+
 /// The tally of a run.
 pub struct RunTally {
     line: Line,
@@ -37,7 +40,8 @@ struct StationTally {
     started: HashMap<OpId, f64>,
     durations: Vec<Vec<f64>>,
     faults: u64,
-    fault_texts: Vec<String>,
+    /// Different faults, the last one last, each with how often it came; more than [`FAULTS_LISTED`] are only counted.
+    fault_texts: Vec<(String, u64)>,
     /// The station's last fault text: with device, object and cause, where it has them.
     fault: Option<String>,
 }
@@ -124,20 +128,30 @@ impl RunTally {
         self.stations.iter().map(|s| s.faults).sum()
     }
 
-    /// The last fault of each station that had one; without what to do about it where it stands no more, by the states now.
+    /// The faults of each station, each with how often it came; without what to do about it where it stands no more, by the states now.
+    /// Together they are [`RunTally::faults`].
     pub fn fault_texts<'s>(&self, now: impl Iterator<Item = Option<&'s StationState>>) -> Vec<String> {
         let stations = self.line.stations.iter().zip(&self.stations).zip(now);
-        let last = stations.filter_map(|((station, tally), state)| {
-            let (name, text) = (&station.name, tally.fault_texts.last()?);
-            Some(match state {
-                Some(state) if state.fault.is_empty() => {
-                    let what = text.split_once("; ").map_or(text.as_str(), |(what, _)| what);
-                    format!("{name} {what} (recovered)")
-                }
-                Some(_) | None => format!("{name} {text}"),
-            })
+        let all = stations.flat_map(|((station, tally), state)| {
+            let name = &station.name;
+            let is_over = state.is_some_and(|state| state.fault.is_empty());
+            let listed: u64 = tally.fault_texts.iter().map(|(_, times)| times).sum();
+            let one = move |(text, times): &(String, u64), is_over: bool| {
+                let what = text.split_once("; ").map_or(text.as_str(), |(what, _)| what);
+                let times = (*times > 1).then(|| format!("{times} times"));
+                let notes: Vec<String> = is_over.then(|| "recovered".to_owned()).into_iter().chain(times).collect();
+                let text = if is_over { what } else { text };
+                let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join(", ")) };
+                format!("{name} {text}{notes}")
+            };
+            let others = (listed < tally.faults).then(|| format!("{name} {} others", tally.faults - listed));
+            let last = tally.fault_texts.len().saturating_sub(1);
+            // Those before the last one do not stand any more.
+            let of_station =
+                tally.fault_texts.iter().enumerate().map(move |(at, fault)| one(fault, is_over || at < last));
+            others.into_iter().chain(of_station)
         });
-        last.collect()
+        all.collect()
     }
 
     /// Takes a station's state.
@@ -197,7 +211,12 @@ impl RunTally {
             }
             (StationEvent::KIND_FAULT, _) => {
                 station.faults += 1;
-                station.fault_texts.push(event.text.clone());
+                let known = station.fault_texts.iter().position(|(text, _)| *text == event.text);
+                let times = known.map_or(0, |at| station.fault_texts.remove(at).1);
+                station.fault_texts.push((event.text.clone(), times + 1));
+                if station.fault_texts.len() > FAULTS_LISTED {
+                    station.fault_texts.remove(0);
+                }
             }
             _ => {}
         }
@@ -308,6 +327,35 @@ mod tests {
         assert_eq!(tally.fault_texts(now(&recovered)), [format!("{name} index in doubt: no switch (recovered)")]);
         assert_eq!(standing(line.stations.iter().zip(now(&stands))), [format!("{name} {text}")]);
         assert!(standing(line.stations.iter().zip(now(&recovered))).is_empty());
+    }
+
+    /// The report begins with how many there were: those that are named are as many.
+    #[test]
+    fn all_faults_of_a_run_are_named_each_with_how_often_it_came() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let mut tally = RunTally::new(&line);
+        let mut fault = |station: u16, text: &str| {
+            let event = StationEvent { kind: StationEvent::KIND_FAULT, text: text.to_owned(), ..Default::default() };
+            tally.event(StationId(station), &event);
+        };
+        for text in ["a; look", "b", "a; look"] {
+            fault(0, text);
+        }
+        fault(1, "c; do it");
+        let (first, second) = (&line.stations[0].name, &line.stations[1].name);
+        let (over, stands) = (StationState::default(), StationState { fault: "c".to_owned(), ..Default::default() });
+        let now = || [Some(&over), Some(&stands), None].into_iter();
+        assert_eq!(tally.faults(), 4);
+        assert_eq!(
+            tally.fault_texts(now()),
+            [format!("{first} b (recovered)"), format!("{first} a (recovered, 2 times)"), format!("{second} c; do it")]
+        );
+        for number in 0..40 {
+            let event = StationEvent { kind: StationEvent::KIND_FAULT, text: number.to_string(), ..Default::default() };
+            tally.event(StationId(0), &event);
+        }
+        let all = tally.fault_texts(now());
+        assert_eq!((all.len(), all[0].clone()), (FAULTS_LISTED + 2, format!("{first} 38 others")));
     }
 
     /// One station, its operations done so often, in a round.

@@ -75,7 +75,7 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back_and_one_that_fell
     ] {
         assert!(alarm.contains(part), "{part}: {alarm}");
     }
-    assert!(alarm.contains("(code 24): part_in_hand, after "), "{alarm}");
+    assert!(alarm.contains("(code 24): part_in_hand at `grasp for m1`, after "), "{alarm}");
     assert!(alarm.contains(ANSWERS) && !alarm.contains("in-machine"), "{alarm}");
     assert_eq!(rig.eye.seen().arrivals("robot", "carry to m1"), 0, "it has not left the store with an empty hand");
     let why = rig.said(&["why"], &["part", "1"]).expect("it is known");

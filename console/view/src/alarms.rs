@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use linewright_coordinator_logic::left_out;
 use linewright_msgs::{AlarmState, CellState, LineState, StationState};
 use serde::Serialize;
 
@@ -254,11 +255,9 @@ fn waits_for_a_person(state: &LineState) -> Option<String> {
     if state.mode != StationState::MODE_STANDBY || !state.waiting_for.is_empty() {
         return None;
     }
-    let without = format!(", without {}", state.left_out.join(", "));
-    let (_, why) = state.text.split_once([',', ':'])?;
-    let is_new =
-        state.left_out.is_empty() || state.text.strip_suffix(&*without).is_none_or(|rest| rest.contains([',', ':']));
-    is_new.then(|| format!("the line stands by:{why}; the steps back: Operate, or `linewright recover`"))
+    let text = state.text.replacen(&left_out(&state.left_out), "", 1);
+    let (_, why) = text.split_once([',', ':', '.'])?;
+    Some(format!("the line stands by:{why}; the steps back: Operate, or `linewright recover`"))
 }
 
 /// What the cell reports, the newest first. `now`: the time by the clock of its coordinator, in s since 1970.

@@ -149,7 +149,7 @@ fn a_line_that_stands_by_until_a_person_does_something_is_an_alarm_with_what_to_
     let waiting = |of: &mut LineState| of.waiting_for = vec!["mill_1".to_owned()];
     assert!(shown("stand-by, waiting for mill_1", waiting).is_empty(), "that comes by itself");
     let without = |of: &mut LineState| of.left_out = vec!["mill_1".to_owned()];
-    assert_eq!(shown("stand-by, without mill_1", without), ["left out of the mode decision: mill_1"]);
+    assert_eq!(shown("stand-by. Left out: mill_1", without), ["left out of the mode decision: mill_1"]);
     for text in
         ["stand-by: mill_1: restarted; give start", "stand-by, coordinator started with stations away from home"]
     {
@@ -157,7 +157,9 @@ fn a_line_that_stands_by_until_a_person_does_something_is_an_alarm_with_what_to_
         let why = text.trim_start_matches("stand-by").trim_start_matches([',', ':']);
         assert_eq!(of, [format!("the line stands by:{why}; the steps back: Operate, or `linewright recover`")]);
     }
-    assert_eq!(shown("stand-by, without mill_1: clamp_1: restarted; give start", without).len(), 2);
+    let both = shown("stand-by. Left out: mill_1. clamp_1: restarted; give start", without);
+    assert_eq!(both.len(), 2);
+    assert!(both.iter().any(|text| text.starts_with("the line stands by: clamp_1: restarted; ")), "{both:?}");
     // Nor is such a station ready.
     let mut bench = ViewBench::received(0);
     let name = bench.line.stations[0].name.clone();

@@ -21,6 +21,9 @@ pub enum AnswerVerdict {
     Contradicted(Vec<SensorMismatch>),
     /// It is taken. Sensors confirm it but for these resources, where none sees what it claims: a person has to look.
     Taken { unseen: Vec<ResourceId> },
+    /// It is taken. The part is at this resource before its activity and afterwards, and the sensor there sees it: whether it was worked on
+    /// a person has to look.
+    WorkUnseen { at: ResourceId },
     /// It depends on what is not known now: these stations are not received.
     Open { silent: Vec<StationId> },
 }
@@ -59,7 +62,9 @@ impl Coordination {
                 Some(AnswerVerdict::Contradicted(found.clone()))
             }
             ExceptionStep::Closed { firing, mode, ruling, unchecked, .. } if AlarmSubject::Firing(*firing) == about => {
-                Some(AnswerVerdict::Taken { unseen: self.unseen(*mode, ruling.part, unchecked) })
+                let unseen = self.unseen(*mode, ruling.part, unchecked);
+                let worked_at = self.worked_at(*mode, ruling.part).filter(|_| unseen.is_empty());
+                Some(worked_at.map_or(AnswerVerdict::Taken { unseen }, |at| AnswerVerdict::WorkUnseen { at }))
             }
             ExceptionStep::Carried { firing } if AlarmSubject::Firing(*firing) == about => {
                 let mode = self.state().firing(*firing).map(|firing| firing.mode);
@@ -100,17 +105,24 @@ impl Coordination {
             Whereabouts::Carrier => handled.carrier,
             Whereabouts::Gone => None,
         };
-        // A carrier that another activity uses as well is not compared. Whether a part was worked on is seen by no sensor.
+        // A carrier that another activity uses as well is not compared.
         let is_seen = |id: ResourceId| match part {
             Whereabouts::Carrier => self.presence(id) == Presence::On,
-            Whereabouts::From | Whereabouts::To => self.presence(id).is_known() && handled.from != handled.to,
-            Whereabouts::Gone => self.presence(id).is_known(),
+            Whereabouts::From | Whereabouts::To | Whereabouts::Gone => self.presence(id).is_known(),
         };
         let is_unseen = |id: &ResourceId| unchecked.contains(id) || !is_seen(*id);
         match holder {
             Some(id) => Some(id).filter(is_unseen).into_iter().collect(),
             None => handled.resources().filter(is_unseen).collect(),
         }
+    }
+
+    /// The resource at which a part is before its activity and afterwards, where an answer has it there. No sensor sees whether it was
+    /// worked on.
+    fn worked_at(&self, mode: ModeId, part: Whereabouts) -> Option<ResourceId> {
+        let handled = self.state().table().handling().mode(mode);
+        let is_there = matches!(part, Whereabouts::From | Whereabouts::To);
+        handled.from.filter(|_| is_there && handled.from == handled.to)
     }
 
     /// The stations of an alarm that are not received.

@@ -213,8 +213,15 @@ fn alarms() -> Vec<AlarmText<'static>> {
         AlarmText::Contradicted { .. } => AlarmText::Contradicted { word: "in-machine", found };
         AlarmText::Moved { .. } => AlarmText::Moved { station: "robot", word: "as-before" };
         AlarmText::LedByHand { .. } => AlarmText::LedByHand { station: "robot", word: "as-before" };
-        AlarmText::Awaited { .. } =>
-            AlarmText::Awaited { failure: "robot: awaited input not on in time (code 32)", inputs: "lathe_chucked" };
+        AlarmText::Because { .. } =>
+            AlarmText::Because {
+                failure: "robot: awaited input not on in time (code 32)",
+                detail: "lathe_chucked at `carry to the lathe`",
+            },
+            AlarmText::Because {
+                failure: "robot: station fault",
+                detail: "carry to the lathe: watchdog: at_lathe (robot io, node 11h, 6000h:01 bit 3) not on within 1 s",
+            };
         AlarmText::LeftWaiting { .. } =>
             AlarmText::LeftWaiting { station: "lathe", inputs: Some("part_present"), code: 12 },
             AlarmText::LeftWaiting { station: "lathe", inputs: None, code: 12 };

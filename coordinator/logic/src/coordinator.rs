@@ -34,6 +34,8 @@ use crate::resume::ResumeButton;
 struct StationEntry {
     heard: StationView,
     known_until: Tick,
+    /// Its devices have been operational in this life of it.
+    had_devices: bool,
     /// Came up anew while the line was in auto or hand, and no operator has acknowledged it since.
     restarted: bool,
     /// Its counts are compared with others'.
@@ -258,6 +260,7 @@ impl Coordinator {
         // In manual a person stands at the panel and holds every motion: there is nothing left to be looked at.
         let moved = std::mem::take(&mut station.missed) || matches!(self.mode, ControlMode::Auto | ControlMode::Hand);
         station.restarted |= rebooted && moved;
+        station.had_devices = heard.devices_valid || station.had_devices && !rebooted;
         station.heard = heard;
         station.known_until = now + self.line.timing.stale;
         self.changed |= news;

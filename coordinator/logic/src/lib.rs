@@ -20,4 +20,4 @@ pub use decision::ModeCommand;
 pub use gateway::{AppliedImage, Gateway, OutputImage};
 pub use refusal::{ApartCause, ModeRefusal, OperatorCommand, RefusedCommand};
 pub use resume::ResumeButton;
-pub use texts::{EStopButton, ModeText};
+pub use texts::{EStopButton, ModeText, left_out};

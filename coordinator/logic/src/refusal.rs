@@ -49,6 +49,8 @@ pub enum ModeRefusal {
     ConsoleNeverHeard,
     NotHeard(StationId),
     DevicesLost(StationId),
+    /// The devices of a station have not been operational since it, or the coordinator, was started: none is lost.
+    DevicesAwaited(StationId),
     /// A station has an operation that was stopped before its end: the first of them, or none half-way along a recovery path.
     Incomplete(StationId, Option<OpId>),
     /// A mechanism of a station is not measured where its chart has it.

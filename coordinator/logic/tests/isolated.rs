@@ -46,7 +46,7 @@ fn one_that_is_not_heard_is_not_waited_for() {
         bench.now = bench.now + stale / 2;
         [0, 2].into_iter().for_each(|station| bench.say(station));
     }
-    assert_eq!((bench.mode(), bench.coordinator.text().as_str()), (ControlMode::Auto, "auto, without clamp_1"));
+    assert_eq!((bench.mode(), bench.coordinator.text().as_str()), (ControlMode::Auto, "auto. Left out: clamp_1"));
     // A new epoch is acknowledged by the others alone.
     bench.command(ModeCommand::Stop);
     assert!(!bench.coordinator.waiting_for().contains(&TASK_DRIVEN));
@@ -154,7 +154,7 @@ fn a_stop_ends_in_stand_by_while_a_station_that_is_left_out_is_away() {
     assert_eq!(bench.mode(), ControlMode::Auto);
     assert_eq!(bench.command(ModeCommand::Stop), None);
     assert_eq!(bench.mode(), ControlMode::StandBy);
-    assert_eq!(bench.coordinator.text(), "stand-by, without clamp_1, auto ended (clamp_1: not at home)");
+    assert_eq!(bench.coordinator.text(), "stand-by, auto ended (clamp_1: not at home). Left out: clamp_1");
     let refusal = bench.command(ModeCommand::Stop);
     assert_eq!(refusal.as_deref(), Some("stop refused in stand-by: clamp_1: not at home"));
     assert_eq!(bench.command(ModeCommand::Start), None, "as from home");
@@ -194,7 +194,7 @@ fn auto_and_hand_are_judged_alike_from_stand_by_and_from_manual() {
         };
         let mut auto = bench();
         assert_eq!((auto.command(ModeCommand::Auto), auto.mode()), (None, ControlMode::Auto));
-        assert_eq!(auto.coordinator.text(), "auto, without clamp_1");
+        assert_eq!(auto.coordinator.text(), "auto. Left out: clamp_1");
         let mut hand = bench();
         let expected = "clamp_1: operation incomplete; complete or undo it in manual";
         let before = hand.coordinator.epoch();

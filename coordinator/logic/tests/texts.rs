@@ -28,6 +28,7 @@ fn reasons() -> Vec<ModeRefusal> {
         ModeRefusal::ConsoleNeverHeard => ModeRefusal::ConsoleNeverHeard;
         ModeRefusal::NotHeard(_) => ModeRefusal::NotHeard(station);
         ModeRefusal::DevicesLost(_) => ModeRefusal::DevicesLost(station);
+        ModeRefusal::DevicesAwaited(_) => ModeRefusal::DevicesAwaited(station);
         ModeRefusal::Incomplete(..) => ModeRefusal::Incomplete(station, None);
         ModeRefusal::PositionLost(_) => ModeRefusal::PositionLost(station);
         ModeRefusal::NoCommonStart(..) => ModeRefusal::NoCommonStart(station, ApartCause::NoMemory),

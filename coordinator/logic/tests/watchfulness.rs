@@ -392,6 +392,25 @@ fn a_manual_that_waits_for_half_a_minute_is_given_up_and_does_not_come_late() {
     assert_eq!((bench.mode(), bench.out.refusals.len()), (ControlMode::Manual, 0), "what was reached stays");
 }
 
+/// At a start no device is lost: none was there before. The same once the station has been started anew.
+#[test]
+fn devices_that_were_not_there_yet_are_not_lost() {
+    const AWAITED: &str = "clamp_1: I/O devices not operational yet; after 10 s check supply and bus";
+    let mut bench = CoordinatorBench::in_mode(ControlMode::StandBy);
+    bench.heard[1].devices_valid = false;
+    bench.beat();
+    assert!(bench.coordinator.text().contains("clamp_1: I/O devices lost"), "{}", bench.coordinator.text());
+    bench.heard[1].boot_id += 100;
+    bench.beat();
+    let text = bench.coordinator.text();
+    assert!(text.contains(AWAITED) && !text.contains("lost"), "{text}");
+    bench.heard[1].devices_valid = true;
+    bench.beat();
+    bench.heard[1].devices_valid = false;
+    bench.beat();
+    assert!(bench.coordinator.text().contains("clamp_1: I/O devices lost"), "{}", bench.coordinator.text());
+}
+
 #[test]
 fn why_auto_ended_by_itself_is_said_until_the_next_command() {
     let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);

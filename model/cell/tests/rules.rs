@@ -69,6 +69,22 @@ fn the_shipped_cells_are_sound_beside_their_lines() {
     }
 }
 
+/// A part that is missing there would be noticed by what does not come later. A sensor that an operation reads is looked at, and of a hand the
+/// line's own check warns.
+#[test]
+fn a_part_sensor_that_nothing_reads_is_reported() {
+    let (assembly, c1) = (line_of(ASSEMBLY_LINE), line_of(C1_LINE));
+    let of = |cell: &str, line| problems(cell, Some(line)).into_iter().map(|of| of.message).collect::<Vec<_>>();
+    let without = |text: &str, key: &str| {
+        assert!(text.contains(key), "{key}");
+        text.lines().filter(|line| !line.contains(key)).collect::<Vec<_>>().join("\n")
+    };
+    let fixture = "`part_in_fixture` of `robot_2` sees a part in `robot_2.fixture`, and nothing looks at it";
+    assert_eq!(of(&without(ASSEMBLY, "presence = \"part_in_fixture\""), &assembly), [fixture]);
+    assert_eq!(of(&without(C1, "presence = \"part_in_clamp\""), &c1).len(), 3, "each machine");
+    assert!(of(&without(C1, "presence = \"part_in_hand\""), &c1).is_empty());
+}
+
 /// C1 as it was: the fixture of a machine whose part was taken away opens only for a part.
 #[test]
 fn a_machine_that_nothing_opens_without_a_part_is_reported() {

@@ -368,7 +368,8 @@ impl ShopFloor {
     /// Report of a station; none while it is down.
     pub(super) fn heard(&self, index: usize) -> Option<TaskReport> {
         let process = self.processes.get(index).filter(|process| process.down.is_none())?;
-        process.controller.report().order.as_ref().map(orders::heard)
+        let report = process.controller.report().order.as_ref().map(orders::heard)?;
+        Some(TaskReport { fault: process.controller.fault_text(&self.line), ..report })
     }
 
     /// Reply of a station to an order.

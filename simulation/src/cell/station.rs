@@ -58,6 +58,8 @@ pub struct SimulatedStation {
     pub failing: u64,
     /// The code with which the order ends that it is doing, or the next.
     pub fails_with: Option<u16>,
+    /// What is wrong with it, for people.
+    pub fault: String,
     /// Nothing reaches it, and nothing is received from it. Its work goes on.
     pub is_away: bool,
     /// Its work does not end. It can be left nevertheless.
@@ -88,7 +90,8 @@ impl SimulatedStation {
         let SimulatedStation { is_held, unable, presence, .. } = *self;
         let rest = self.rest.or(self.waits_to_begin.then_some(RestId(0)));
         // Whatever it does it may do with another station.
-        TaskReport { is_held, is_in_handshake: is_held, rest, unable, presence, ..self.heard.clone() }
+        let fault = self.fault.clone();
+        TaskReport { is_held, is_in_handshake: is_held, rest, unable, presence, fault, ..self.heard.clone() }
     }
 
     /// The order it is doing, or going back from.

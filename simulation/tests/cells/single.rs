@@ -186,7 +186,7 @@ fn a_person_leads_one_station_on_while_the_others_make_parts() {
     assert_eq!(cell.mode(m1), ControlMode::Manual);
     assert!(others.iter().all(|&id| cell.mode(id) == ControlMode::Auto));
     let text = cell.shell.coordinator().text();
-    assert_eq!(text, "auto, without m1, m1 in manual");
+    assert_eq!(text, "auto, m1 in manual. Left out: m1");
 
     // The cell goes on.
     let left = cell.sim.state().left();

@@ -10,7 +10,7 @@ use crate::controller::Controller;
 use crate::event::{StationHappening, StopCause};
 use crate::parts::{AgreementRefusal, PendingAgreement};
 use crate::program::{CompiledTransition, IncomingArrow as Arrow};
-use crate::texts::place::{op_names, place_text};
+use crate::texts::place::{op_names, place_text, rest_text};
 use crate::texts::{
     NoReturn, PanelChoice, PositionDoubt, REJOIN_WAY, RejoinAdvice, StationWait, SwitchTense, signal_now_text,
     stuck_text,
@@ -18,8 +18,12 @@ use crate::texts::{
 use crate::views::Comparability;
 
 impl Controller {
-    /// Operation of each branch of the station, e.g. `advance clamp` or `undoing 1st lift (stopped)`.
+    /// Operation of each branch of the station, e.g. `advance clamp` or `undoing 1st lift (stopped)`; of a task-driven station between
+    /// its tasks the rest, since the place there stands for the end of whichever task has led to it.
     pub fn operation_text(&self, line: &Line) -> String {
+        if let Some(rest) = self.rest().filter(|_| !self.homing.is_driven) {
+            return rest_text(line, self.program.station, rest);
+        }
         let mut parts: Vec<String> =
             self.marking().map(|place| place_text(line, self.program.station, place)).collect();
         parts.extend(self.homing.is_driven.then(|| "homing".to_owned()));

@@ -1,7 +1,6 @@
 //! The motions that a fault of a motion is about: it is one of the output that moves them.
 
 use linewright_line::{Grip, Line, Operation, OperationModule, OutputId, StationId};
-use linewright_plant::MotionFault;
 use miette::miette;
 
 use super::{FailArgs, quoted};
@@ -36,7 +35,7 @@ pub fn others(line: &Line, args: &FailArgs) -> miette::Result<Option<String>> {
     let output = &station.outputs[output.index()];
     let begin = match args.what {
         InjectedFault::Clear => format!("It has ended for every motion by output {output}"),
-        _ => format!("Every motion by output {output} has it"),
+        _ => format!("Every motion by output {output} has it, each time until `clear`"),
     };
     Ok((!others.is_empty()).then(|| format!("{begin}: {} too.", quoted(others.iter().map(String::as_str)))))
 }
@@ -44,15 +43,17 @@ pub fn others(line: &Line, args: &FailArgs) -> miette::Result<Option<String>> {
 /// Whether a motion of the output that moves it has a fault signal.
 pub fn has_fault_signal(line: &Line, args: &FailArgs) -> miette::Result<bool> {
     let (id, output) = motion(line, args)?;
-    let signals = |operation: &Operation| {
-        let back = match &operation.module {
-            OperationModule::Reversible { recovery, .. } => Some(*recovery),
-            OperationModule::Irreversible { .. } => None,
-        };
-        [Some(operation.normal), back]
+    Ok(line.station(id).operations.iter().any(|operation| signals_fault(operation, Some(output))))
+}
+
+/// Whether a motion of an operation, by this output if one is given, has a fault signal.
+pub(super) fn signals_fault(operation: &Operation, output: Option<OutputId>) -> bool {
+    let back = match &operation.module {
+        OperationModule::Reversible { recovery, .. } => Some(*recovery),
+        OperationModule::Irreversible { .. } => None,
     };
-    let mut all = line.station(id).operations.iter().flat_map(signals).flatten();
-    Ok(all.any(|signals| signals.actuator == output && signals.fault.is_some()))
+    let mut signals = std::iter::once(operation.normal).chain(back);
+    signals.any(|signals| output.is_none_or(|output| output == signals.actuator) && signals.fault.is_some())
 }
 
 /// Whether a motion of the output that moves it ends where a gripper is closed.
@@ -62,7 +63,7 @@ pub fn closes_a_gripper(line: &Line, args: &FailArgs) -> miette::Result<bool> {
 }
 
 /// Whether the normal or recovery motion of an operation, by this output if one is given, ends where a gripper is closed.
-fn closes(line: &Line, station: StationId, operation: &Operation, output: Option<OutputId>) -> bool {
+pub(super) fn closes(line: &Line, station: StationId, operation: &Operation, output: Option<OutputId>) -> bool {
     /// Nearer than every switch can tell.
     const SAME_PLACE: f64 = 1e-6;
     let motion = &operation.motion;
@@ -79,21 +80,6 @@ fn closes(line: &Line, station: StationId, operation: &Operation, output: Option
     })
 }
 
-pub fn no_gripper(line: &Line, args: &FailArgs, fault: MotionFault) -> miette::Report {
-    let of_station = |(id, name): (StationId, &str)| {
-        let operations = line.station(id).operations.iter().filter(|operation| closes(line, id, operation, None));
-        operations.map(|operation| format!("`{}` of {name}", operation.name)).collect::<Vec<_>>()
-    };
-    let stations = line.station_ids().map(|id| (id, line.station(id).name.as_str()));
-    let closing: Vec<String> = stations.flat_map(of_station).collect();
-    let help = match closing.is_empty() {
-        true => "no station of the description has a gripper, a holder of `kind = \"hand\"`".to_owned(),
-        false => format!("motions of grippers: {}", closing.join(", ")),
-    };
-    let operation = args.operation.as_deref().unwrap_or_default();
-    miette!(help = help, "`{operation}` of {} closes no gripper: it cannot {}", args.station, fault.name())
-}
-
 /// The station of a motion, and its output.
 pub fn motion(line: &Line, args: &FailArgs) -> miette::Result<(StationId, OutputId)> {
     let id = load::station(line, &args.station)?;
@@ -108,37 +94,20 @@ pub fn motion(line: &Line, args: &FailArgs) -> miette::Result<(StationId, Output
     match (&operation.module, args.recovery) {
         (_, false) => Ok((id, operation.normal.actuator)),
         (OperationModule::Reversible { recovery, .. }, true) => Ok((id, recovery.actuator)),
-        (OperationModule::Irreversible { .. }, true) => {
-            Err(miette!("{name} is irreversible: it has no recovery motion"))
-        }
+        (OperationModule::Irreversible { .. }, true) => Err(miette!(
+            help = "without --recovery its one motion has the fault",
+            "`{name}` of {} is irreversible: it has no recovery motion",
+            args.station
+        )),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::orders;
+    use linewright_plant::MotionFault;
+
     use super::super::tests::{C1, args};
     use super::*;
-
-    /// It would end with 0 and do nothing.
-    #[test]
-    fn a_motion_that_closes_no_gripper_does_not_miss_and_drops_nothing() {
-        let cell = linewright_line::parse("line.toml", C1).expect("it parses").line;
-        let shipped = linewright_line::TransferLine::default().text();
-        let shipped = linewright_line::parse("line.toml", &shipped).expect("it parses").line;
-        let fails = |line: &Line, station: &str, operation: &str, fault| {
-            let what = InjectedFault::Motion(fault);
-            orders(line, &FailArgs { operation: Some(operation.to_owned()), ..args(station, what) }).map(drop)
-        };
-        for fault in [MotionFault::Miss, MotionFault::Drop] {
-            fails(&cell, "robot", "grasp for m1", fault).expect("it closes the gripper");
-            let why = fails(&cell, "robot", "carry to m1", fault).expect_err("nothing closes");
-            assert!(why.to_string().contains("closes no gripper: it cannot"), "{why}");
-            assert!(why.help().is_some_and(|help| help.to_string().contains("`grasp for m1` of robot")), "{why:?}");
-            let why = fails(&shipped, "clamp_1", "advance clamp", fault).expect_err("there are no parts");
-            assert!(why.help().is_some_and(|help| help.to_string().contains("has a gripper")), "{why:?}");
-        }
-    }
 
     #[test]
     fn the_other_motions_of_an_output_are_named_that_have_its_fault() {
@@ -152,15 +121,22 @@ mod tests {
         let stick = InjectedFault::Motion(MotionFault::Stick);
         let (meant, others) = of(&transfer, "clamp_1", "advance clamp", false, stick);
         assert_eq!(meant, "advance clamp");
-        assert_eq!(others.as_deref(), Some("Every motion by output close has it: `recovery of return clamp` too."));
+        assert_eq!(
+            others.as_deref(),
+            Some("Every motion by output close has it, each time until `clear`: `recovery of return clamp` too.")
+        );
         let (meant, others) = of(&transfer, "clamp_1", "advance clamp", true, stick);
         assert_eq!(meant, "recovery of advance clamp");
-        assert_eq!(others.as_deref(), Some("Every motion by output open has it: `return clamp` too."));
+        assert_eq!(
+            others.as_deref(),
+            Some("Every motion by output open has it, each time until `clear`: `return clamp` too.")
+        );
         // Motions back as well: the gripper that is closed by one output grasps, and takes its letting go back.
         let (meant, others) = of(&cell, "robot", "grasp for m1", false, stick);
         let others = others.expect("each machine has one");
         assert_eq!(meant, "grasp for m1");
-        assert!(others.starts_with("Every motion by output close has it: ") && others.ends_with(" too."), "{others}");
+        let begin = "Every motion by output close has it, each time until `clear`: ";
+        assert!(others.starts_with(begin) && others.ends_with(" too."), "{others}");
         for other in ["`grasp for m2`", "`grasp for m3`", "`recovery of let go at m1`"] {
             assert!(others.contains(other) && !others.contains("`grasp for m1`"), "{other}: {others}");
         }

@@ -9,8 +9,8 @@ use linewright_line::{ButtonId, Line, OperationModule, RestId, Station, StationI
 use linewright_nets::coloured::Unfolding;
 
 use crate::exception::{
-    FailureMatch, ModeHandling, PermittedAnswer, RecoveryDecision, RecoveryPolicy, RecoveryRule, ResourcePolicy,
-    RestTask, StationRests, Strategy, Whereabouts,
+    AwaitedInput, FailureMatch, ModeHandling, PermittedAnswer, RecoveryDecision, RecoveryPolicy, RecoveryRule,
+    ResourcePolicy, RestTask, StationRests, Strategy, Whereabouts,
 };
 use crate::{CellId, CellTable, ModeId, PlayedOrderTemplate, ResourceId};
 
@@ -85,7 +85,12 @@ pub fn rests(line: &Line, id: StationId) -> StationRests {
         let awaited = station.operations_of(of).map(|op| &station.operations[op.index()]).flat_map(|of| {
             let waits = of.waits.iter().filter(|_| of.waits_code > 0).map(|&input| (of.waits_code, input));
             let all = waits.chain(of.result.map(|result| (result.code, result.input)));
-            all.map(|(code, input)| (code, input.bit(), Arc::from(station.inputs[input.index()].as_str())))
+            all.map(|(code, input)| AwaitedInput {
+                code,
+                bit: input.bit(),
+                input: station.inputs[input.index()].as_str().into(),
+                operation: of.name.as_str().into(),
+            })
         });
         let back = back.filter(goes_back);
         let name = |button: ButtonId| Arc::from(line.buttons[usize::from(button.0)].as_str());
@@ -107,6 +112,7 @@ pub fn rests(line: &Line, id: StationId) -> StationRests {
     };
     StationRests {
         station: id,
+        label: station.label().into(),
         names: station.rests.iter().map(|rest| rest.name.as_str().into()).collect(),
         tasks: station.task_ids().map(task).collect(),
     }

@@ -20,9 +20,11 @@ impl PlayerState {
     /// Applies a step of an exception.
     pub(in super::super) fn exception(&mut self, step: &ExceptionStep, at: Tick) -> ExceptionFitResult {
         match step {
-            ExceptionStep::Secured { firing, key, standing } => {
+            ExceptionStep::Secured { firing, key, standing, fault } => {
                 self.owes(*firing, *key)?;
-                self.trouble(*firing)?.standing.push((*key, *standing));
+                let trouble = self.trouble(*firing)?;
+                trouble.standing.push((*key, *standing));
+                trouble.faults.extend((!fault.is_empty()).then(|| (*key, fault.clone())));
                 Ok(())
             }
             ExceptionStep::Alarmed { alarm, about, text, words, finding } => self.alarmed(Alarm {
@@ -82,6 +84,7 @@ impl PlayerState {
         let trouble = FailedActivity {
             since: at,
             standing: Vec::new(),
+            faults: Vec::new(),
             stopped: Vec::new(),
             forgotten: Vec::new(),
             stage: ExceptionStage::Securing,

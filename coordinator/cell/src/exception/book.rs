@@ -32,6 +32,9 @@ pub struct FailedActivity {
     pub since: Tick,
     /// Standing of the stations that had to come to rest, where it is certain.
     pub standing: Vec<(OrderKey, SecuredState)>,
+    /// What was wrong with stations when they had come to rest, for people: it is still the cause when they have been led on.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<(OrderKey, String)>,
     /// The stations that went into emergency stop because of it. Those that were reset since do not do so again.
     #[serde(default)]
     pub stopped: Vec<u16>,

@@ -351,6 +351,11 @@ impl Coordination {
         self.watch.seen(station).map_or(0, |seen| seen.heard.off)
     }
 
+    /// What is wrong with a station, by its last report, for people; empty if nothing is.
+    pub(crate) fn station_fault(&self, station: StationId) -> Option<String> {
+        self.watch.seen(station).map(|seen| seen.heard.fault.clone())
+    }
+
     /// Starts repetitions that are due, before the dispatcher is asked.
     pub(in super::super) fn again(&mut self, now: Tick, room: &mut usize, out: &mut PlayerOutbox) -> bool {
         let due: Vec<(ModeId, Option<PartId>)> = self.state.exceptions().due_again().collect();

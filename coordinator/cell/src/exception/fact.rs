@@ -15,6 +15,9 @@ pub enum ExceptionStep {
         key: OrderKey,
         /// Standing of its station.
         standing: SecuredState,
+        /// What was wrong with the station then, for people; empty if nothing was.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        fault: String,
     },
     /// An alarm is raised.
     Alarmed {

@@ -50,7 +50,8 @@ pub use fact::{
 pub use isolation::{Participation, isolated};
 pub use kept::SavedExceptions;
 pub use policy::{
-    FailureMatch, ModeHandling, PermittedAnswer, RecoveryPolicy, RecoveryRule, ResourcePolicy, RestTask, StationRests,
+    AwaitedInput, FailureMatch, ModeHandling, PermittedAnswer, RecoveryPolicy, RecoveryRule, ResourcePolicy, RestTask,
+    StationRests,
 };
 pub use request::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
 pub(crate) use standing::WrongRest;

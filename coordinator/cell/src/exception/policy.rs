@@ -50,6 +50,8 @@ pub struct ResourcePolicy {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StationRests {
     pub station: StationId,
+    /// Name with title, as operators see it.
+    pub label: Arc<str>,
     /// What the rests are called, by number.
     pub names: Vec<Arc<str>>,
     pub tasks: Vec<RestTask>,
@@ -69,8 +71,20 @@ pub struct RestTask {
     pub shared: Vec<(Arc<str>, Arc<str>)>,
     /// One of its motions waits for inputs.
     pub waits: bool,
-    /// The codes of its motions whose time was over while they waited, each with an input and its bit.
-    pub awaited: Vec<(u16, u128, Arc<str>)>,
+    /// The codes of its motions whose time was over while they waited, each with an input, its bit, and the operation.
+    pub awaited: Vec<AwaitedInput>,
+}
+
+/// An input that a task waits for in one of its operations.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AwaitedInput {
+    /// Code of an order whose time was over for it.
+    pub code: u16,
+    /// Its bit in the station's image.
+    pub bit: u128,
+    pub input: Arc<str>,
+    /// The operation that waits for it, or has to bring it about.
+    pub operation: Arc<str>,
 }
 
 /// Recovery data of a mode.
@@ -207,15 +221,21 @@ impl RecoveryPolicy {
         known.map_or_else(|| format!("station {}", station.0), |(_, name)| name.to_string())
     }
 
-    /// The inputs that a station waited for when an order for this task failed with this code; none if no motion has it. Of several
-    /// those that are `off`; all where none is known to be.
+    /// Operators' name of a station with its title, where it has one that says more.
+    pub fn station_label(&self, station: StationId) -> String {
+        let known = self.rests.iter().find(|of| of.station == station);
+        known.map_or_else(|| self.station_name(station), |of| of.label.to_string())
+    }
+
+    /// The inputs that a station waited for when an order for this task failed with this code, each with its operation; none if no
+    /// motion has it. Of several those that are `off`; all where none is known to be.
     pub fn awaited(&self, station: StationId, task: &str, code: u16, off: u128) -> Option<String> {
         let of = self.rests.iter().find(|of| of.station == station)?;
         let tasks = of.tasks.iter().filter(|of| *of.name == *task).flat_map(|of| &of.awaited);
-        let all: Vec<_> = tasks.filter(|(of, ..)| *of == code).collect();
-        let is_one_off = all.iter().any(|(_, bit, _)| bit & off != 0);
-        let missing = all.iter().filter(|(_, bit, _)| !is_one_off || bit & off != 0);
-        let inputs: Vec<&str> = missing.map(|(.., input)| &**input).collect();
+        let all: Vec<&AwaitedInput> = tasks.filter(|of| of.code == code).collect();
+        let is_one_off = all.iter().any(|of| of.bit & off != 0);
+        let missing = all.iter().filter(|of| !is_one_off || of.bit & off != 0);
+        let inputs: Vec<String> = missing.map(|of| format!("{} at `{}`", of.input, of.operation)).collect();
         (!inputs.is_empty()).then(|| inputs.join(", "))
     }
 

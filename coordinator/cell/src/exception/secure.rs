@@ -237,11 +237,12 @@ impl Coordination {
         let stands = |order: &OngoingOrder| {
             let way = self.way_to_rest(now, order.station, order.key);
             let standing = self.standing(order.station, order.key, way);
-            Some((order.key, standing.or(is_late.then_some(SecuredState::Unknown))?))
+            let fault = self.watch.seen(order.station).map(|seen| seen.heard.fault.clone()).unwrap_or_default();
+            Some((order.key, standing.or(is_late.then_some(SecuredState::Unknown))?, fault))
         };
         let known: Vec<_> = self.state.owed(firing).filter_map(stands).collect();
-        for (key, standing) in known {
-            self.except(now, ExceptionStep::Secured { firing: id, key, standing }, out);
+        for (key, standing, fault) in known {
+            self.except(now, ExceptionStep::Secured { firing: id, key, standing, fault }, out);
         }
         let is_over = self.state.firing(id).is_none_or(|firing| self.state.owed(firing).next().is_none());
         if is_over {

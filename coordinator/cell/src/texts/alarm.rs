@@ -163,9 +163,27 @@ fn is_told(failure: OrderFailure) -> bool {
 
 /// Failure of an order with the names of its station and of the inputs that were waited for.
 fn order_failed(of: &Coordination, firing: &OngoingActivity, order: &OngoingOrder, failure: OrderFailure) -> String {
-    let text = failure.text_of(&of.state().table().handling().station_name(order.station));
-    let inputs = awaited(of, firing, order, failure);
-    inputs.map_or_else(|| text.clone(), |inputs| AlarmText::Awaited { failure: &text, inputs: &inputs }.text())
+    let text = failure.text_of(&of.state().table().handling().station_label(order.station));
+    let detail = awaited(of, firing, order, failure).or_else(|| station_fault(of, firing, order, failure));
+    detail.map_or_else(|| text.clone(), |detail| AlarmText::Because { failure: &text, detail: &detail }.text())
+}
+
+/// What was wrong with the station of an order that a fault of it has ended, with operation and input: as it was when the station had come
+/// to rest, before that as it is now.
+fn station_fault(
+    of: &Coordination,
+    firing: &OngoingActivity,
+    order: &OngoingOrder,
+    failure: OrderFailure,
+) -> Option<String> {
+    if failure != OrderFailure::Code(TaskFailure::Fault.code()) {
+        return None;
+    }
+    let kept =
+        of.state().exceptions().trouble(firing.id).and_then(|trouble| {
+            trouble.faults.iter().find(|(key, _)| *key == order.key).map(|(_, fault)| fault.clone())
+        });
+    kept.or_else(|| of.station_fault(order.station)).filter(|fault| !fault.is_empty())
 }
 
 /// The same where the order was left because of another one's failure: no time was over.
@@ -177,7 +195,7 @@ fn left_waiting(
 ) -> Option<String> {
     let OrderFailure::Code(code) = failure else { return None };
     let TaskFailure::Waiting(_) = TaskFailure::from_code(code) else { return None };
-    let station = of.state().table().handling().station_name(order.station);
+    let station = of.state().table().handling().station_label(order.station);
     let inputs = awaited(of, firing, order, failure);
     Some(AlarmText::LeftWaiting { station: &station, inputs: inputs.as_deref(), code }.text())
 }
@@ -288,8 +306,8 @@ pub enum AlarmText<'a> {
     MeansUp,
     /// The facts of a failed activity; how its stations stand follows.
     Facts { activity: &'a str, cause: &'a str, seconds: f64 },
-    /// A failure, and the inputs that were waited for.
-    Awaited { failure: &'a str, inputs: &'a str },
+    /// A failure, and the inputs that were waited for, or what was wrong with the station.
+    Because { failure: &'a str, detail: &'a str },
     /// An order that was left while it waited for inputs, since another one had failed.
     LeftWaiting { station: &'a str, inputs: Option<&'a str>, code: u16 },
     /// Sensors contradict an answer; the alarm follows again.
@@ -379,7 +397,7 @@ impl AlarmText<'_> {
             AlarmText::PartGone => "part gone".to_owned(),
             AlarmText::MeansUp => "as the model has it".to_owned(),
             AlarmText::Facts { activity, cause, seconds } => format!("{activity}: {cause}, after {seconds} s"),
-            AlarmText::Awaited { failure, inputs } => format!("{failure}: {inputs}"),
+            AlarmText::Because { failure, detail } => format!("{failure}: {detail}"),
             AlarmText::LeftWaiting { station, inputs, code } => {
                 let inputs = inputs.unwrap_or("an input");
                 format!("{station}: its order was ended while it waited for {inputs} (code {code})")

@@ -104,6 +104,11 @@ impl AnswerRemark {
                 let names: Vec<&str> = unseen.iter().map(|&id| handling.resource_name(id)).collect();
                 (AnswerFit::NotMeasured, format!("look at {}", names.join(" and ")))
             }
+            AnswerVerdict::WorkUnseen { at } => {
+                let name = handling.resource_name(*at);
+                let why = format!("whether it was worked on; the sensor of {name} sees the part, look at it");
+                (AnswerFit::NotMeasured, why)
+            }
             AnswerVerdict::Open { silent } if !silent.is_empty() => {
                 let names: Vec<&str> = silent.iter().map(|&id| line.station(id).name.as_str()).collect();
                 let text = "start it again, or look at its host and network";

@@ -130,16 +130,25 @@ fn answers_name_a_station_that_is_not_received() {
     assert!(later.starts_with("in-store (refused now: ") && later.contains("no state received"), "{later}");
 }
 
-/// The part is in the machine before and after the work on it, and the sensor is on either way: a person has to look at the part.
+/// The part is in the machine before and after the work on it, and the sensor is on either way: what it sees is said, and that a person has
+/// to look at the part.
 #[test]
 fn whether_a_part_was_worked_on_is_not_measured() {
-    let mut bench = CellBench::c1(&[1, 0]);
+    let mut bench = CellBench::c1_of_its_line(&[1, 0]);
     bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
     bench.at("m1").fails_with = Some(7);
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     bench.hear();
-    let unseen = AnswerVerdict::Taken { unseen: vec![bench.resource("M1")] };
+    let unseen = AnswerVerdict::WorkUnseen { at: bench.resource("M1") };
     for word in ["as-before", "as-done"] {
         assert_eq!(bench.verdict(word), unseen, "{word}");
     }
+    let (line, alarm) = (workcell_line(|line| line), bench.alarm().id);
+    let remark = AnswerRemark::of(&line, bench.state(), alarm, &bench.verdict("as-done"));
+    let listed = ListedAnswer { remark, ..ListedAnswer::from("as-done") }.text();
+    assert_eq!(listed, "as-done (not measured: whether it was worked on; the sensor of M1 sees the part, look at it)");
+    // Without its part the machine contradicts both.
+    bench.sim.truth.put(PART, None);
+    bench.hear();
+    assert!(matches!(bench.verdict("as-done"), AnswerVerdict::Contradicted(_)), "{:?}", bench.verdict("as-done"));
 }

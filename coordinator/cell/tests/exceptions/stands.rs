@@ -254,13 +254,13 @@ fn of_inputs_that_were_waited_for_the_missing_ones_are_named() {
     bench.at("m1").is_stuck = true;
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let (all, robot) = (bench.alarm_now(), bench.station("robot"));
-    assert!(all.contains("(code 22): m1_clamped, part_in_hand, after"), "{all}");
+    assert!(all.contains("(code 22): m1_clamped at `let go at m1`, part_in_hand at `let go at m1`, after"), "{all}");
     let line = linewright_line::parse("line.toml", linewright_testkit::cells::C1_LINE).expect("it is sound").line;
     let in_hand = line.station(robot).inputs.iter().position(|input| input == "part_in_hand").expect("an input");
     let report = TaskReport { off: 1 << in_hand, ..bench.at("robot").heard() };
     bench.say(PlayerInput::Station(robot, &report));
     let missing = bench.alarm_now();
-    assert!(missing.contains("(code 22): part_in_hand, after"), "{missing}");
+    assert!(missing.contains("(code 22): part_in_hand at `let go at m1`, after"), "{missing}");
 }
 
 /// A code may be that of several tasks: the inputs are those of the one that was ordered. The other order's failure is reported as well.
@@ -271,7 +271,10 @@ fn an_alarm_names_the_inputs_that_were_waited_for() {
     bench.at("m1").waits_to_begin = true;
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let text = bench.alarm().text.clone();
-    assert!(text.contains("robot: awaited input not on in time (code 22): m1_clamped, after"), "{text}");
+    assert!(
+        text.contains("robot: awaited input not on in time (code 22): m1_clamped at `let go at m1`, after"),
+        "{text}"
+    );
 }
 
 /// A station whose order is ended because another station has failed has not exceeded its own time limit; its sensor is not reported as late.
@@ -283,8 +286,16 @@ fn an_order_left_while_it_waited_is_not_called_late() {
     bench.at("m1").waits_code = Some(12);
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let text = bench.alarm().text.clone();
-    assert!(text.contains("robot: awaited input not on in time (code 22): m1_clamped, after"), "{text}");
-    assert!(text.contains("; m1: its order was ended while it waited for part_present (code 12); robot"), "{text}");
+    assert!(
+        text.contains("robot: awaited input not on in time (code 22): m1_clamped at `let go at m1`, after"),
+        "{text}"
+    );
+    assert!(
+        text.contains(
+            "; m1 (Machine M1): its order was ended while it waited for part_present at `clamp-close` (code 12); robot"
+        ),
+        "{text}"
+    );
 }
 
 #[test]
@@ -437,4 +448,24 @@ fn an_alarm_gives_the_way_on_which_its_stations_are_led() {
         bench.hear();
         assert_eq!(way(&bench), Some((1, direction)), "{}", bench.alarm_now());
     }
+}
+
+/// A motion that a fault has ended: the alarm names the station with its title, the operation and the switch, also when the station has
+/// been led on since, and after a restart.
+#[test]
+fn an_alarm_names_the_operation_and_the_switch_of_a_fault() {
+    const FAULT: &str = "mill: watchdog: LS_out (m1 io, node 12h, 6000h:01 bit 1) not on within 2 s";
+    let mut bench = CellBench::c1_of_its_line(&[1, 0]);
+    bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
+    bench.at("m1").fails_with = Some(linewright_orders::TaskFailure::Fault.code());
+    bench.at("m1").fault = FAULT.to_owned();
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    let cause = format!("m1 (Machine M1): station fault: {FAULT}, after");
+    assert!(bench.alarm().text.contains(&cause), "{}", bench.alarm().text);
+    bench.at("m1").fault.clear();
+    bench.hear();
+    assert!(bench.alarm_now().contains(&cause), "{}", bench.alarm_now());
+    bench.at("m1").fault = "another".to_owned();
+    bench.hear();
+    assert!(bench.alarm_now().contains(&cause), "{}", bench.alarm_now());
 }

@@ -51,7 +51,12 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let secured: Vec<_> = bench.steps().into_iter().take(2).cloned().collect();
     for order in &firing.orders {
-        let of = ExceptionStep::Secured { firing: firing.id, key: order.key, standing: SecuredState::AtRest };
+        let of = ExceptionStep::Secured {
+            firing: firing.id,
+            key: order.key,
+            standing: SecuredState::AtRest,
+            fault: String::new(),
+        };
         assert!(secured.contains(&of), "{secured:?}");
     }
     // "After that, an alarm signal will be sent to the production plant to notify the operator about the arisen error. This

@@ -56,7 +56,10 @@ impl Coordinator {
             return;
         }
         if !station.heard.devices_valid {
-            reasons.push(ModeRefusal::DevicesLost(id));
+            reasons.push(match station.had_devices {
+                true => ModeRefusal::DevicesLost(id),
+                false => ModeRefusal::DevicesAwaited(id),
+            });
         }
         if station.heard.incomplete && !self.is_index_in_doubt(id) {
             reasons.push(ModeRefusal::Incomplete(id, station.heard.incomplete_op));

@@ -5,5 +5,5 @@
 mod mode;
 mod refusal;
 
-pub use mode::{EStopButton, ModeText};
+pub use mode::{EStopButton, ModeText, left_out};
 pub(crate) use refusal::reason_texts;

@@ -51,6 +51,12 @@ pub struct ModeText<'a> {
     pub ended: Option<(ControlMode, Vec<String>)>,
 }
 
+/// Sentence of the text of the mode on stations that are left out of it, between the mode and the reasons; empty where none is.
+pub fn left_out<S: AsRef<str>>(stations: &[S]) -> String {
+    let names: Vec<&str> = stations.iter().map(AsRef::as_ref).collect();
+    if names.is_empty() { String::new() } else { format!(". Left out: {}", names.join(", ")) }
+}
+
 impl ModeText<'_> {
     /// The text, e.g. `auto, stopping at home` or `stand-by: mill_1: no state received`.
     pub fn text(&self, mode: ControlMode) -> String {
@@ -82,9 +88,6 @@ impl ModeText<'_> {
         if !self.waiting.is_empty() {
             text.push_str(&format!(", waiting for {}", self.waiting.join(", ")));
         }
-        if !self.without.is_empty() {
-            text.push_str(&format!(", without {}", self.without.join(", ")));
-        }
         if !self.stopped.is_empty() {
             text.push_str(&format!(", {} in emergency stop", self.stopped.join(" and ")));
         }
@@ -100,8 +103,10 @@ impl ModeText<'_> {
         if let Some((mode, reasons)) = &self.ended {
             text.push_str(&format!(", {mode} ended ({})", reasons.join("; ")));
         }
+        text.push_str(&left_out(&self.without));
         if !self.troubles.is_empty() {
-            text.push_str(&format!(": {}", self.troubles.join("; ")));
+            let joint = if self.without.is_empty() { ": " } else { ". " };
+            text.push_str(&format!("{joint}{}", self.troubles.join("; ")));
         }
         text
     }

@@ -18,7 +18,9 @@ impl RefusedCommand {
     /// The same, with the diagnostics of an owner's devices that are lost (empty where it is unknown).
     pub fn text_with(&self, line: &Line, trouble: impl Fn(Owner) -> String) -> String {
         let trouble_of = |reason: &ModeRefusal| match reason {
-            ModeRefusal::DevicesLost(station) => trouble(Owner::Station(*station)),
+            ModeRefusal::DevicesLost(station) | ModeRefusal::DevicesAwaited(station) => {
+                trouble(Owner::Station(*station))
+            }
             ModeRefusal::ConsoleLost | ModeRefusal::ConsoleNeverHeard => trouble(Owner::Console),
             _ => String::new(),
         };
@@ -106,6 +108,9 @@ impl ModeRefusal {
             }
             ModeRefusal::NotHeard(station) => (station, "no state received"),
             ModeRefusal::DevicesLost(station) => (station, "I/O devices lost"),
+            ModeRefusal::DevicesAwaited(station) => {
+                (station, "I/O devices not operational yet; after 10 s check supply and bus")
+            }
             ModeRefusal::Incomplete(station, Some(op)) if line.station(*station).index_of(*op).is_some() => {
                 (station, "index incomplete; complete it in manual, it has no way back")
             }

@@ -16,7 +16,7 @@ use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes};
 use linewright_coordinator_cell::exception::{RecoveryPolicy, StationUnavailable};
 use linewright_coordinator_cell::schedule::{PlanActualBar, RolloutScheduler};
 use linewright_coordinator_cell::{
-    CellEvent, CellMessage, Coordination, OldEpoch, PlayerInput, PlayerOutbox, RecordKind,
+    CellEvent, CellMessage, Coordination, OldEpoch, PlayerInput, PlayerOutbox, RecordKind, TaskReport,
 };
 use linewright_fieldbus::Clock;
 use linewright_history::Note;
@@ -195,6 +195,8 @@ pub(super) struct CellLoop {
     pub(super) people: PendingReplies,
     /// Reasons why stations can do nothing now, from their states; and the inputs that sense their parts.
     unable: Vec<Option<StationUnavailable>>,
+    /// What is wrong with each station, for people.
+    faults: Vec<String>,
     sensors: Vec<Option<InputId>>,
     apart: watch::Sender<IsolatedStations>,
     message: CellState,
@@ -253,6 +255,7 @@ impl CellLoop {
             told: Vec::new(),
             people: PendingReplies::default(),
             unable: vec![None; line.stations.len()],
+            faults: vec![String::new(); line.stations.len()],
             sensors: wire::sensors(&cell, &line),
             apart,
             message: CellState { boot_id, cell: cell.name, ..CellState::default() },
@@ -318,6 +321,7 @@ impl CellLoop {
                 if is_its && known.is_some_and(|known| known.offer(now, message.boot_id, message.sequence)) {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
                     let (heard, refused) = wire::heard(&message, self.line.station(station), unable, sensor);
+                    let heard = TaskReport { fault: self.faults[station.index()].clone(), ..heard };
                     let secured = wire::secured(&message, &heard);
                     self.reports.insert(station, (now, heard.clone()));
                     self.told.push(PlayerMessage::State(station, heard));
@@ -328,6 +332,7 @@ impl CellLoop {
             CellInbound::State(station, message) => {
                 if message.description == self.description && message.station == self.line.station(station).name {
                     self.unable[station.index()] = wire::unable(&message);
+                    self.faults[station.index()].clone_from(&message.fault);
                     let now = self.now();
                     self.chronicle.iter_mut().for_each(|chronicle| chronicle.fault(now, station, &message.fault));
                 }

@@ -56,8 +56,8 @@ fn off(message: &OrderState, station: &Station) -> u128 {
     station.awaited_inputs().filter(is_off).fold(0, |bits, input| bits | input.bit())
 }
 
-/// A station's reports on its orders, with its other state; and its final refusals. The input is that of the sensor which
-/// sees its part.
+/// A station's reports on its orders, with why it can do nothing now; and its final refusals. The input is that of the sensor which
+/// sees its part. What is wrong with the station is in another message, and not set here.
 pub fn heard(
     message: &OrderState,
     station: &Station,
@@ -76,6 +76,7 @@ pub fn heard(
         unable,
         presence: presence(message, sensor),
         off: off(message, station),
+        fault: String::new(),
     };
     let refused = message
         .refused

@@ -3,7 +3,7 @@
 //! Each type has its own set of buttons; what the types of neighbours have to do with each other is for
 //! [`super::rules`].
 
-use linewright_text::{Located, LocatedName, NameTable, Problem, Report};
+use linewright_text::{Located, LocatedName, NameTable, Problem, Report, suggestion};
 
 use super::raw::RawHand;
 use crate::{ButtonId, HandMode, HandType};
@@ -26,7 +26,11 @@ pub(super) fn hand(
             );
             return None;
         }
-        buttons.find(name, "button", report).map(ButtonId::at)
+        let found = buttons.meant(&name.value);
+        if found.is_none() && !report.is_full() {
+            report.add_unknown(unknown(name, buttons));
+        }
+        found.map(ButtonId::at)
     };
     let (forward, back, next) = (press(&raw.forward), press(&raw.back), press(&raw.next));
     let number = raw.number.as_ref()?;
@@ -52,6 +56,18 @@ pub(super) fn hand(
     let next = if ends_task { Some(forward) } else { next };
     let hand = kind.with(forward, back, next)?;
     Some(Located::new(hand, raw.at.clone()))
+}
+
+/// A button that the line does not have: those it has, and where a further one is declared.
+fn unknown(name: &LocatedName, buttons: &NameTable<'_>) -> Problem {
+    let known = suggestion(&name.value, buttons.names()).unwrap_or_default();
+    let new = "a new one stands in `buttons`, above the first header, and in the inputs of the console's [[device]]";
+    let hint = match known.as_str() {
+        "" => new.to_owned(),
+        question if question.ends_with('?') => format!("{question} {new}"),
+        list => format!("{list}; {new}"),
+    };
+    Problem::error(name.at.clone(), format!("unknown button `{}`", name.value)).hint(hint)
 }
 
 /// Reports a button that the type needs and the entry lacks, or the reverse.

@@ -1,7 +1,7 @@
 //! Present operations of a station, and the names of its operations.
 
 use linewright_line::net::{Block, MotionStage, StationPlace};
-use linewright_line::{Line, StationId};
+use linewright_line::{Line, RestId, StationId};
 
 /// A marked place, e.g. `advance clamp` or `undoing 1st lift (stopped)`.
 pub(crate) fn place_text(line: &Line, station: StationId, place: StationPlace) -> String {
@@ -14,6 +14,11 @@ pub(crate) fn place_text(line: &Line, station: StationId, place: StationPlace) -
         (Block::Recovery, MotionStage::Incomplete) => format!("undoing {name} (stopped)"),
         (Block::Recovery, MotionStage::Completed) => format!("{name} (undone)"),
     }
+}
+
+/// A rest of a task-driven station, e.g. `at rest "home"`.
+pub(crate) fn rest_text(line: &Line, station: StationId, rest: RestId) -> String {
+    format!("at rest \"{}\"", line.station(station).rests[rest.index()].name)
 }
 
 /// The names of operations, given as a bit each.

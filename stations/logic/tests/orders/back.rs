@@ -191,7 +191,7 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
         assert_eq!(robot.doing(), doing);
         robot.arrive();
     }
-    assert_eq!(robot.doing(), "home from m1 (done)", "the place that stands for home");
+    assert_eq!(robot.doing(), "at rest \"home\"");
     assert_eq!(robot.orders().results, [(key(1, 1), TaskOutcome::Failed(TaskFailure::Waiting(21)))]);
     let report = robot.report();
     assert_eq!((report.done, report.started, report.cycle), (vec![0; 10], vec![0; 10], 1));

@@ -60,12 +60,12 @@ fn taken_back_at_the_panel_it_stands_where_the_task_began_and_any_task_can_begin
     m1.hold(&[]);
     assert_eq!(
         (m1.doing().as_str(), m1.rest().as_deref()),
-        ("slide in (undone)", Some("clamped")),
+        ("at rest \"clamped\"", Some("clamped")),
         "it had hardly moved"
     );
     assert_eq!(m1.blocked_by(), [taken_back("slide in")], "nothing is amiss");
     m1.mode(ControlMode::Auto);
-    assert_eq!(m1.doing(), "clamp close (done)", "the place that stands for the rest");
+    assert_eq!(m1.doing(), "at rest \"clamped\"");
     m1.done(&order(3, "release"));
 }
 
@@ -177,7 +177,7 @@ fn in_hand_mode_each_task_has_its_button() {
     assert_eq!((m1.rest().as_deref(), m1.outputs), (Some("clamped"), 0), "held on it begins nothing");
     m1.release();
     m1.press("PB_back");
-    assert_eq!(m1.doing(), "slide out (done)", "a sequence that is never reversed");
+    assert_eq!(m1.doing(), "at rest \"clamped\"", "a sequence that is never reversed");
     m1.release();
     m1.press("PB_open");
     assert_eq!(m1.on(), ["Y_open"]);
@@ -211,7 +211,7 @@ fn the_panel_leads_a_task_to_its_rest_and_begins_none() {
     m1.events();
     for _ in 0..3 {
         m1.hold(&[Advance(true)]);
-        assert_eq!((m1.doing().as_str(), m1.outputs), ("slide out (done)", 0));
+        assert_eq!((m1.doing().as_str(), m1.outputs), ("at rest \"clamped\"", 0));
         m1.hold(&[]);
     }
     assert_eq!(m1.events()[0], "rejected the command");
@@ -226,15 +226,15 @@ fn the_panel_takes_a_task_back_to_its_rest_and_none_that_is_done() {
     m1.through(Advance(true));
     assert_eq!(m1.doing(), "slide in (done)");
     m1.through(Retract(true));
-    assert_eq!(m1.doing(), "slide in (undone)");
+    assert_eq!(m1.doing(), "at rest \"clamped\"");
     assert_eq!(m1.blocked_by(), [taken_back("slide in")]);
     m1.hold(&[Retract(true)]);
-    assert_eq!((m1.doing().as_str(), m1.outputs), ("clamp close (done)", 0), "a rest is a stop");
+    assert_eq!((m1.doing().as_str(), m1.outputs), ("at rest \"clamped\"", 0), "a rest is a stop");
     m1.hold(&[]);
     m1.events();
     for _ in 0..3 {
         m1.hold(&[Retract(true)]);
-        assert_eq!((m1.doing().as_str(), m1.outputs), ("clamp close (done)", 0));
+        assert_eq!((m1.doing().as_str(), m1.outputs), ("at rest \"clamped\"", 0));
         m1.hold(&[]);
     }
     assert_eq!(m1.events()[0], "rejected the command");
@@ -256,7 +256,7 @@ fn an_input_that_holds_a_motion_is_named_in_hand_and_in_manual() {
     m1.hold(&[]);
     m1.set("part_present", false);
     m1.hold(&[Advance(true)]);
-    assert_eq!((m1.doing().as_str(), m1.outputs), ("clamp close (undone)", 0));
+    assert_eq!((m1.doing().as_str(), m1.outputs), ("at rest \"open\"", 0));
     let missing = "part_present (m1 io, node 02h, 6000h:01 bit 6) to be on, for clamp close";
     assert_eq!(m1.blocked_by(), [missing, &taken_back("clamp close")]);
     m1.hold(&[]);
@@ -291,7 +291,7 @@ fn what_a_button_does_not_do_within_a_sequence_is_named() {
     m1.press("PB_back");
     m1.arrive();
     m1.release();
-    assert_eq!((m1.doing().as_str(), m1.rest().as_deref()), ("clamp close (undone)", Some("open")));
+    assert_eq!((m1.doing().as_str(), m1.rest().as_deref()), ("at rest \"open\"", Some("open")));
     let undone = "a button: PB_close to do it again; for another task, return at its panel in manual, or auto";
     assert_eq!(m1.blocked_by(), [undone]);
     m1.mode(ControlMode::Manual);

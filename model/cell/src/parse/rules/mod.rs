@@ -4,6 +4,7 @@
 //! resolved, a rule passes over it in silence, since the reason has been reported already.
 
 mod dispatch;
+mod durations;
 mod exceptions;
 mod handshakes;
 mod orders;
@@ -33,6 +34,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
         resources::capacity_is_possible(resource, report);
         resources::presence_has_a_station(resource, report);
         resources::presence_is_an_input(draft, resource, report);
+        resources::part_sensors_are_looked_at(draft, resource, report);
     }
     resources::stations_belong_to_one(draft, report);
     resources::stations_exist(draft, report);
@@ -46,6 +48,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
     }
     orders::stations_exist(draft, report);
     tasks::orders_fit_their_tasks(draft, report);
+    draft.activities.iter().for_each(|activity| durations::times_are_those_of_the_charts(draft, activity, report));
     rests::machines_come_from_rest_to_rest(draft, report);
     for part in draft.parts.iter().filter(|part| part.variant.is_none()) {
         plans::part_has_steps(part, report);

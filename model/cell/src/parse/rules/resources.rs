@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use linewright_line::{Line, Operation, OperationModule, Sensor, Sign, Station, StationId};
+use linewright_line::{Grip, InputId, Line, Operation, OperationModule, Sensor, Sign, Station, StationId};
 use linewright_text::{LocatedName, Problem, Report, suggestion};
 
 use crate::parse::draft::{DraftCell, DraftResource};
@@ -70,6 +70,34 @@ pub(super) fn presence_is_an_input(draft: &DraftCell<'_>, resource: &DraftResour
             )
             .maybe_hint(suggestion(&presence.value, inputs.iter().map(String::as_str))),
         );
+    }
+}
+
+/// A sensor that sees a part where the resource has it, and that neither an operation nor the cell reads: a part that is missing there, or
+/// too many, shows only when something else does not come. Of hands [`linewright_line`] warns.
+pub(super) fn part_sensors_are_looked_at(draft: &DraftCell<'_>, resource: &DraftResource<'_>, report: &mut Report) {
+    let (Some(line), Some(station), None) = (draft.line, &resource.raw.station, &resource.raw.presence) else { return };
+    let Some(id) = line.station_named(&station.value) else { return };
+    let of = line.station(id);
+    let reads = |input: InputId| {
+        let in_operation = |operation: &Operation| {
+            operation.waits.contains(&input) || operation.result.is_some_and(|result| result.input == input)
+        };
+        of.operations.iter().any(in_operation) || limited_by(of, &of.inputs[input.index()]).is_some()
+    };
+    for sensor in line.handling.sensors.iter().filter(|sensor| sensor.station == id && !reads(sensor.input)) {
+        let [Sign::Part(holder)] = sensor.when[..] else { continue };
+        let holder = line.handling.holder(holder);
+        let owner = holder.name.split_once('.').map_or(holder.name.as_str(), |(owner, _)| owner);
+        if (owner != station.value && owner != resource.name) || matches!(holder.grip, Grip::Hand(_)) {
+            continue;
+        }
+        let input = &of.inputs[sensor.input.index()];
+        let message =
+            format!("`{input}` of `{}` sees a part in `{}`, and nothing looks at it", station.value, holder.name);
+        report.add(Problem::warning(resource.place(), message).hint(format!(
+            "`presence = \"{input}\"` compares it with where the cell believes its parts to be: one that is missing is noticed at once"
+        )));
     }
 }
 

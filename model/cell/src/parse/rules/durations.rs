@@ -1,0 +1,94 @@
+//! Times of activities beside the durations of their stations' operations: both say how long the same thing takes.
+
+use std::time::Duration;
+
+use linewright_line::{Station, Task};
+use linewright_text::{Located, Problem, Report};
+
+use super::orders::times;
+use crate::ParameterSource;
+use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
+
+/// Part of a time by which the two may differ.
+const TOLERANCE: f64 = 0.1;
+/// Difference that is none, however short the time: 0.1 s.
+const LEAST: Duration = Duration::from_millis(100);
+
+/// What the chart says of a task: its operations, one after the other.
+struct ChartedTask<'d> {
+    station: &'d Station,
+    task: &'d Task,
+}
+
+impl ChartedTask<'_> {
+    fn operations(&self) -> impl Iterator<Item = (&str, Duration)> {
+        let steps = self.station.steps.get(self.task.steps.clone()).unwrap_or_default();
+        let operations = steps.iter().flatten().map(|op| &self.station.operations[op.index()]);
+        operations.map(|operation| (operation.name.as_str(), operation.duration))
+    }
+
+    fn takes(&self) -> Duration {
+        self.operations().map(|(_, duration)| duration).sum()
+    }
+
+    /// `task `run` of `washer`: close the door 0.5 s, work 4 s`.
+    fn text(&self) -> String {
+        let all: Vec<String> =
+            self.operations().map(|(name, duration)| format!("{name} {} s", duration.as_secs_f64())).collect();
+        format!("task `{}` of `{}`: {}", self.task.name, self.station.name, all.join(", "))
+    }
+}
+
+/// What the stations of an activity take by their charts: at least the longest of their tasks, and at most all of them one after the other
+/// where they wait for each other. A `time_s` outside of that plans with another cell than the one that is described. Where a step gives a
+/// program its time is the program's. A task that is done for several steps has one duration, around which their times may lie.
+pub(super) fn times_are_those_of_the_charts(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
+    let is_programmed =
+        |order: &DraftOrder<'_>| order.parameters.iter().any(|(_, source)| matches!(source, ParameterSource::Program));
+    if activity.orders.iter().any(is_programmed) {
+        return;
+    }
+    let Some(charted) = activity.orders.iter().map(|order| charted(draft, order)).collect::<Option<Vec<_>>>() else {
+        return;
+    };
+    let Some(longest) = charted.iter().map(ChartedTask::takes).max() else { return };
+    let all: Duration = charted.iter().map(ChartedTask::takes).sum();
+    let written: Vec<Located<Duration>> = times(draft, activity).collect();
+    let is_shorter = |a: Duration, b: Duration| a + b.mul_f64(TOLERANCE).max(LEAST) < b;
+    let too_short = written.iter().all(|time| is_shorter(time.value, longest));
+    let too_long = written.iter().all(|time| is_shorter(all, time.value));
+    if !too_short && !too_long {
+        return;
+    }
+    let seconds = |time: Duration| time.as_secs_f64();
+    let takes = match longest == all {
+        true => format!("{} s", seconds(all)),
+        false => format!("{} to {} s", seconds(longest), seconds(all)),
+    };
+    let charts: Vec<String> = charted.iter().map(ChartedTask::text).collect();
+    // What fails every order is reported by that.
+    let safety = draft.raw.cell.as_ref().map_or(1.0, |cell| cell.safety);
+    let is_limited = activity.orders.iter().all(|order| order.raw.limit.is_some());
+    let is_possible = |time: &Located<Duration>| {
+        let fits = charted.iter().all(|of| time.value <= of.task.limit);
+        fits && (is_limited || time.value.mul_f64(safety) > longest)
+    };
+    for time in written.into_iter().filter(is_possible) {
+        let message = format!(
+            "`time_s` is {} s, but `{}` takes {takes} by `duration_s` of its operations",
+            seconds(time.value),
+            activity.name
+        );
+        let hint =
+            format!("in the line's description {}: write here what that takes, or change it there", charts.join("; "));
+        report.add(Problem::warning(time.at, message).label("differs by more than a tenth").hint(hint));
+    }
+}
+
+/// The chart of an order's task; none where it is not known, which is another rule's error.
+fn charted<'d>(draft: &DraftCell<'d>, order: &DraftOrder<'_>) -> Option<ChartedTask<'d>> {
+    let line = draft.line?;
+    let station = line.station(line.station_named(&order.raw.station.as_ref()?.value)?);
+    let task = station.task(station.task_named(&order.raw.task.as_ref()?.value)?);
+    Some(ChartedTask { station, task })
+}
