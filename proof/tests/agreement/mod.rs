@@ -17,7 +17,7 @@ use linewright_proof::explore::{Grants, LineExplored, Verdict};
 use linewright_proof::generate::{self, Breakage, LineShape, Random, break_it, breakages};
 use linewright_testkit::cases::cases;
 
-use crate::common::{self, HOME, auto_and_manual, explored, verdict};
+use crate::common::{HOME, auto_and_manual, explored, verdict};
 
 /// Freedom given to both.
 #[derive(Clone, Copy, Debug)]
