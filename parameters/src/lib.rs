@@ -32,6 +32,8 @@ mod scalar;
 mod set;
 mod value;
 
+pub use linewright_diagnostics::Problems;
+
 pub use declaration::{Change, Declaration, Domain};
 pub use file::{FILE_BYTES_MAX, ParameterFile};
 pub use overrides::{Argument, Override, OverrideError, apply};

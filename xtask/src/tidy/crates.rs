@@ -76,6 +76,7 @@ const MAY_USE: [(&str, &[&str]); 42] = [
         "linewright-coordinator-shell",
         &[
             "linewright-line",
+            "linewright-cell",
             "linewright-station-logic",
             // The choice of the newer of two messages is made once, there, and the parameters of all nodes are declared.
             "linewright-station-shell",
@@ -178,6 +179,7 @@ const MAY_USE: [(&str, &[&str]); 42] = [
             "linewright-line",
             "linewright-station-logic",
             "linewright-station-shell",
+            "linewright-parameters",
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-node-line",
@@ -198,6 +200,7 @@ const MAY_USE: [(&str, &[&str]); 42] = [
             // The planned times of a line, for the comparison in a report, are computed there.
             "linewright-simulation",
             "linewright-station-shell",
+            "linewright-parameters",
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-node-line",
