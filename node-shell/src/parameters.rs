@@ -19,7 +19,7 @@ use tokio::sync::{mpsc, watch};
 use crate::logging::set_log_level;
 use crate::service::{ServiceReply, serve};
 use crate::subscription::Forward;
-use crate::{LogLevel, Publisher, RosNode, TopicError, qos, stamp};
+use crate::{LogLevel, Publisher, RosNode, TopicError, names, qos, stamp};
 
 /// Name of the parameter with the log level of the process; its values are those of `--log-level`.
 pub const LOG_LEVEL: &str = "log_level";
@@ -78,7 +78,7 @@ impl Parameters {
         let mut served = ServedParameters {
             values,
             events: node.publisher("/parameter_events", qos::event())?,
-            node: node.resolve("~/parameters")?.trim_end_matches("/parameters").to_owned(),
+            node: names::expand(node.name(), node.namespace(), node.name())?,
             logged: None,
             unlogged: 0,
         };
@@ -136,7 +136,7 @@ impl ServedParameters {
     fn answer(&mut self, asked: ParameterRequest) {
         match asked {
             ParameterRequest::Describe(names, reply) => {
-                let descriptors = self.each(&names, |set, name| descriptor(set, name));
+                let descriptors = self.each(&names, descriptor);
                 reply.send(DescribeParametersResponse { descriptors });
             }
             ParameterRequest::Get(names, reply) => {

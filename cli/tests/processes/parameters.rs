@@ -115,6 +115,12 @@ fn a_stranger_sets_what_no_check_rests_on_while_the_line_cycles() {
     };
     let came = stranger.runtime.block_on(async { tokio::time::timeout(Duration::from_secs(8), eight).await });
     assert!(came.is_ok(), "every 5 s there would be two");
+    for nth in 0..500 {
+        let period = if nth % 2 == 0 { 1.0 } else { 0.5 };
+        assert!(stranger.set(&coordinator, "diagnostics_period_s", double(period)).successful);
+    }
+    let log = rig.log("coordinator");
+    assert!(log.matches("diagnostics_period_s is").count() < 30, "{log}");
     operator.cycles(1);
     operator.go_home();
     rig.ends_well(0);

@@ -72,7 +72,7 @@ impl ParameterFile {
                 Problem::error(other.span, "a parameter file is a map of nodes' names")
                     .hint(format!("begin with a node, as `/**:`, and `{PARAMETERS}:` below it")),
             ),
-            Err(problem) => report.add(problem),
+            Err(problem) => report.add(*problem),
         }
         let read = if report.has_errors() { None } else { Some(entries) };
         let (entries, _) = report.close(read, name, text)?;

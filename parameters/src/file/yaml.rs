@@ -31,7 +31,7 @@ pub(crate) enum YamlKind {
 }
 
 /// The only document of a text; none if it is empty.
-pub(crate) fn document(text: &str) -> Result<Option<YamlNode>, Problem> {
+pub(crate) fn document(text: &str) -> Result<Option<YamlNode>, Box<Problem>> {
     let mut reader = TreeReader { parser: Parser::new_from_str(text), bytes: byte_offsets(text) };
     let mut found = None;
     loop {
@@ -41,9 +41,8 @@ pub(crate) fn document(text: &str) -> Result<Option<YamlNode>, Problem> {
             Event::StreamEnd => return Ok(found),
             _ if found.is_some() => {
                 let at = reader.place(span);
-                return Err(
-                    Problem::error(at, "a second document in one file").hint("take out the line `---` before it")
-                );
+                let problem = Problem::error(at, "a second document in one file");
+                return Err(problem.hint("take out the line `---` before it").into());
             }
             event => found = Some(reader.node(event, span, 0)?),
         }
@@ -69,21 +68,21 @@ impl<'t> TreeReader<'t> {
         self.byte(span.start.index())..self.byte(span.end.index())
     }
 
-    fn next(&mut self) -> Result<(Event<'t>, Span), Problem> {
+    fn next(&mut self) -> Result<(Event<'t>, Span), Box<Problem>> {
         match self.parser.next_event() {
             Some(Ok(next)) => Ok(next),
             Some(Err(error)) => {
                 let at = self.byte(error.marker().index());
-                Err(Problem::error(at..at, format!("this is no YAML: {}", error.info())))
+                Err(Problem::error(at..at, format!("this is no YAML: {}", error.info())).into())
             }
             None => Ok((Event::StreamEnd, Span::default())),
         }
     }
 
-    fn node(&mut self, event: Event<'t>, span: Span, depth: usize) -> Result<YamlNode, Problem> {
+    fn node(&mut self, event: Event<'t>, span: Span, depth: usize) -> Result<YamlNode, Box<Problem>> {
         let span = self.place(span);
         if depth > DEPTH_MAX {
-            return Err(Problem::error(span, format!("more than {DEPTH_MAX} levels of nesting")));
+            return Err(Problem::error(span, format!("more than {DEPTH_MAX} levels of nesting")).into());
         }
         let kind = match event {
             Event::Scalar(text, style, _, tag) => {
@@ -112,7 +111,7 @@ impl<'t> TreeReader<'t> {
                     }
                     let key = self.node(event, span, depth + 1)?;
                     let (YamlKind::Plain(name) | YamlKind::Quoted(name)) = key.kind else {
-                        return Err(Problem::error(key.span, "a key that is no name"));
+                        return Err(Problem::error(key.span, "a key that is no name").into());
                     };
                     let (event, span) = self.next()?;
                     entries.push((name, key.span, self.node(event, span, depth + 1)?));
@@ -120,8 +119,8 @@ impl<'t> TreeReader<'t> {
                 YamlKind::Map(entries)
             }
             Event::Alias(_) => {
-                return Err(Problem::error(span, "an alias, which parameter files of ROS 2 have not")
-                    .hint("write the value itself"));
+                let problem = Problem::error(span, "an alias, which parameter files of ROS 2 have not");
+                return Err(problem.hint("write the value itself").into());
             }
             Event::Nothing
             | Event::StreamStart
@@ -129,17 +128,17 @@ impl<'t> TreeReader<'t> {
             | Event::DocumentStart(_)
             | Event::DocumentEnd
             | Event::SequenceEnd
-            | Event::MappingEnd => return Err(Problem::error(span, "a value is missing")),
+            | Event::MappingEnd => return Err(Problem::error(span, "a value is missing").into()),
         };
         Ok(YamlNode { span, kind })
     }
 }
 
 /// Whether a tag makes a text of what follows.
-fn is_text(tag: Option<&Tag>, span: &Range<usize>) -> Result<bool, Problem> {
+fn is_text(tag: Option<&Tag>, span: &Range<usize>) -> Result<bool, Box<Problem>> {
     match tag {
         None => Ok(false),
         Some(tag) if tag.is_yaml_core_schema() && tag.suffix == "str" => Ok(true),
-        Some(tag) => Err(Problem::error(span.clone(), format!("the tag {tag} is not read; only !!str is"))),
+        Some(tag) => Err(Problem::error(span.clone(), format!("the tag {tag} is not read; only !!str is")).into()),
     }
 }
