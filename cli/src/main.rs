@@ -39,7 +39,7 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use linewright_node_shell::{RosArgs, init_logging};
+use linewright_node_shell::{ArgsError, RosArgs, init_logging};
 
 /// Describe, check, run and operate a production line.
 #[derive(Debug, Parser)]
@@ -132,6 +132,10 @@ fn main() -> ExitCode {
 fn command() -> ExitCode {
     let (ros, rest) = match RosArgs::from_process() {
         Ok(parsed) => parsed,
+        Err(ArgsError::InParamsFile(problems)) => {
+            crate::out::complain!("{:?}", miette::Report::new(*problems));
+            return ExitCode::from(2);
+        }
         Err(error) => {
             crate::out::complain!("linewright: {error}");
             return ExitCode::from(2);

@@ -5,9 +5,15 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
+use linewright_cell::Cell;
+use linewright_coordinator_shell::parameters::{CAN_INTERFACE, coordinator_parameters, names};
 use linewright_fieldbus::{BusOptions, Clock, Transport, place};
 use linewright_line::{DeviceBus, Line, StationId};
-use linewright_node_shell::{Claim, ClaimError, Participant, RosArgs};
+use linewright_node_shell::{
+    Claim, ClaimError, LOG_LEVEL, LogLevel, Participant, RosArgs, level_at_start, set_log_level,
+};
+use linewright_parameters::{OverrideError, ParameterSet, apply};
+use linewright_station_shell::parameters::station_parameters;
 use miette::miette;
 use tokio::sync::watch;
 
@@ -142,6 +148,51 @@ pub fn claim_coordinator(
     claim(line, ros, "coordinator", Some(interface), state_dir, bus)
 }
 
+/// The parameters of a station's node, as it is started with them.
+pub fn parameters_of_station(line: &Line, ros: &RosArgs, station: StationId) -> miette::Result<ParameterSet> {
+    let given = station_parameters(line, station, level_at_start(ros.log_level));
+    started_with(line, ros, &line.station(station).name, given)
+}
+
+/// The parameters of the coordinator's node, as it is started with them. `bus` is that of the command line.
+pub fn parameters_of_coordinator(
+    (line, cell): (&Line, Option<&Cell>),
+    ros: &RosArgs,
+    bus: Option<&str>,
+    retention: Option<u32>,
+) -> miette::Result<ParameterSet> {
+    let (level, interface) = (level_at_start(ros.log_level), bus.unwrap_or(DEFAULT_BUS));
+    let given = coordinator_parameters(line, cell, level, interface, retention);
+    let set = started_with(line, ros, "coordinator", given)?;
+    match (bus, set.text(CAN_INTERFACE.name)) {
+        (Some(bus), Some(other)) if bus != other => Err(miette!(
+            help = "give one of them",
+            "the bus is '{bus}' by --bus, and '{other}' by the parameter {}",
+            CAN_INTERFACE.name
+        )),
+        _ => Ok(set),
+    }
+}
+
+/// Parameters with the values that files and arguments give them.
+fn started_with(line: &Line, ros: &RosArgs, name: &str, mut set: ParameterSet) -> miette::Result<ParameterSet> {
+    let full = ros.node_name(&format!("/{}", line.name), name).map_err(|error| miette!("node name: {error}"))?;
+    let warnings = apply(&mut set, &ros.params, &full, &names()).map_err(|error| match error {
+        OverrideError::File(problems) => miette::Report::new(*problems).wrap_err(format!("parameters of {full}")),
+        argument => miette!("parameters of {full}: {argument}"),
+    })?;
+    warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    Ok(set)
+}
+
+/// Puts the log level of a parameter into force, unless it is the one that the process has been started with.
+fn follow_log_level(set: &ParameterSet, ros: &RosArgs) {
+    let name = set.text(LOG_LEVEL).filter(|name| *name != level_at_start(ros.log_level));
+    if let Some(level) = name.and_then(LogLevel::named) {
+        set_log_level(level);
+    }
+}
+
 fn runtime() -> miette::Result<tokio::runtime::Runtime> {
     tokio::runtime::Builder::new_current_thread()
         .enable_all()
@@ -194,6 +245,9 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         }
     }
     let state_dir = args.common.state_dir.as_deref();
+    let parameters = |&id: &StationId| parameters_of_station(&line, ros, id);
+    let parameters = stations.iter().map(parameters).collect::<miette::Result<Vec<_>>>()?;
+    parameters.iter().for_each(|set| follow_log_level(set, ros));
     let claim = |&id: &StationId| claim_station(&line, ros, id, state_dir, &BusOptions::default());
     let _claims = stations.iter().map(claim).collect::<miette::Result<Vec<_>>>()?;
     runtime()?.block_on(async {
@@ -203,16 +257,18 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         // other. The DDS library answers there to a datagram's source, and has no address for itself.
         let open = |_: &StationId| Participant::open(ros).map_err(|error| miette!("{error}"));
         let participants = stations.iter().map(open).collect::<miette::Result<Vec<_>>>()?;
-        let nodes = stations.into_iter().zip(&participants).map(|(station, participant)| {
-            let options = linewright_station_node::StationOptions {
-                line: line.clone(),
-                station,
-                state_dir: args.common.state_dir.clone(),
-                bus: args.common.bus(),
-                clock,
-            };
-            linewright_station_node::run(options, participant, stop.clone())
-        });
+        let nodes =
+            stations.into_iter().zip(parameters).zip(&participants).map(|((station, parameters), participant)| {
+                let options = linewright_station_node::StationOptions {
+                    line: line.clone(),
+                    station,
+                    state_dir: args.common.state_dir.clone(),
+                    bus: args.common.bus(),
+                    clock,
+                    parameters,
+                };
+                linewright_station_node::run(options, participant, stop.clone())
+            });
         // One station's failure ends the process, and with it all of them: a supervisor restarts it whole.
         futures::future::try_join_all(nodes).await.map_err(|error| miette!("{error}"))
     })?;
@@ -230,12 +286,10 @@ pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitC
             cell.name
         ));
     }
-    let parameter = match ros.param("coordinator", "can_interface_name") {
-        Some(linewright_node_shell::ParamValue::Text(name)) => Some(name.clone()),
-        Some(other) => return Err(miette!("parameter can_interface_name is {other:?}; expected an interface's name")),
-        None => None,
-    };
-    let interface = args.bus.or(parameter).unwrap_or_else(|| DEFAULT_BUS.to_owned());
+    let bus = args.bus.as_deref();
+    let parameters = parameters_of_coordinator((&line, cell.as_ref()), ros, bus, args.retention)?;
+    follow_log_level(&parameters, ros);
+    let interface = parameters.text(CAN_INTERFACE.name).unwrap_or(DEFAULT_BUS).to_owned();
     let _claims = claim_coordinator(&line, ros, &interface, args.common.state_dir.as_deref(), &BusOptions::default())?;
     runtime()?.block_on(async {
         let stop = stop_signal(args.common.end_with_stdin);
@@ -248,6 +302,7 @@ pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitC
             retention: args.retention.map(days),
             bus: args.common.bus(),
             clock: Clock::start(),
+            parameters,
         };
         linewright_coordinator_node::run(options, &participant, stop).await.map_err(|error| miette!("{error}"))
     })?;

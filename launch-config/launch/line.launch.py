@@ -6,8 +6,10 @@ ros2 launch linewright line.launch.py line:=… plant:=true virtual_bus:=true   
 ros2 launch linewright line.launch.py line:=… state_dir:=/srv/linewright         (another place for journals)
 ros2 launch linewright line.launch.py line:=… forget:=true                       (no journals; a cell forgets its orders with its coordinator)
 
-The stations are read from the description, so a new one needs no change here. Nodes are set up by the description and
-not by parameters; namespace and topics can be remapped as usual.
+ros2 launch linewright line.launch.py line:=… parameters:=line.yaml              (a parameter file for all of its nodes)
+
+The stations are read from the description, so a new one needs no change here. Nodes are set up by the description, and by
+parameters in what no check rests on; namespace and topics can be remapped as usual.
 """
 
 import os
@@ -46,7 +48,8 @@ def nodes(context):
     forgets = LaunchConfiguration("forget").perform(context) == "true"
     remember = [] if forgets else ["--state-dir", state_dir or str(STATE_DIR / description["name"])]
     forget = ["--forget"] if forgets else []
-    again = {"respawn": True, "respawn_delay": 1.0}
+    parameters = LaunchConfiguration("parameters").perform(context)
+    again = {"respawn": True, "respawn_delay": 1.0, "parameters": [parameters] if parameters else []}
     return [
         linewright(["plant", line, "--bus", bus, *virtual, *remember], condition=IfCondition(LaunchConfiguration("plant"))),
         linewright(["coordinator", line, "--bus", bus, *virtual, *remember, *forget], **again),
@@ -66,6 +69,7 @@ def generate_launch_description():
             DeclareLaunchArgument(
                 "state_dir", default_value="", description="where nodes keep their journals; by default below ROS_HOME"
             ),
+            DeclareLaunchArgument("parameters", default_value="", description="a parameter file for all nodes"),
             DeclareLaunchArgument("forget", default_value="false", description="keep no journals, and of a cell no orders"),
             OpaqueFunction(function=nodes),
         ]

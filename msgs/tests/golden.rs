@@ -73,6 +73,9 @@ fn version_1() {
     holds("v1", feedback);
     holds("v1", samples::production_request());
     holds("v1", samples::cycle_time());
+    let (event, described) = samples::parameters();
+    holds("v1", event);
+    holds("v1", described);
 }
 
 /// Mode orders found generations, name stations that are in emergency stop or in manual by themselves, carry resume, and name the

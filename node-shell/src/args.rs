@@ -4,10 +4,13 @@
 //! program and is handed back. Inside, rclcpp's rules hold: an unknown argument is an error, the first
 //! matching remap rule wins, the last value of a parameter and the last `--log-level` win.
 //!
-//! Pure: arguments and environment come in, a value or an error with the offending text goes out.
+//! Arguments, environment and the text of files come in, a value or an error with the offending text goes out.
 
 use crate::environment::{self, EnvironmentError, Range};
-use crate::names::{Remap, RemapTarget};
+use crate::names::{self, NameError, Remap, RemapTarget};
+use linewright_parameters::Problems;
+use linewright_parameters::{Argument, FILE_BYTES_MAX, Override, ParameterFile, argument_value};
+use std::io::Read;
 use thiserror::Error;
 
 /// Log level (`--log-level`).
@@ -25,28 +28,24 @@ pub enum LogLevel {
     Fatal,
 }
 
-/// A parameter's value. The forms a ROS 2 parameter can take.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ParamValue {
-    /// `true`, `yes`, `on` and their opposites.
-    Bool(bool),
-    /// A whole number.
-    Integer(i64),
-    /// A number with a point or an exponent.
-    Double(f64),
-    /// Anything else, or quoted.
-    Text(String),
-    List(Vec<ParamValue>),
-}
+impl LogLevel {
+    const ALL: [LogLevel; 5] = [LogLevel::Debug, LogLevel::Info, LogLevel::Warn, LogLevel::Error, LogLevel::Fatal];
 
-/// One `-p [node:]name:=value`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Param {
-    /// For nodes of this name only.
-    pub node: Option<String>,
-    /// Parameter name, with dots between its parts.
-    pub name: String,
-    pub value: ParamValue,
+    /// The level with this name, in small letters.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|level| level.name() == name)
+    }
+
+    /// Its name, in small letters.
+    pub fn name(self) -> &'static str {
+        match self {
+            LogLevel::Debug => "debug",
+            LogLevel::Info => "info",
+            LogLevel::Warn => "warn",
+            LogLevel::Error => "error",
+            LogLevel::Fatal => "fatal",
+        }
+    }
 }
 
 /// ROS 2 settings from the command line and the environment.
@@ -54,8 +53,8 @@ pub struct Param {
 pub struct RosArgs {
     /// Remap rules in the order given.
     pub remaps: Vec<Remap>,
-    /// Parameters in the order given; see [`param`](Self::param).
-    pub params: Vec<Param>,
+    /// Values of parameters, from files and arguments, in the order given.
+    pub params: Vec<Override>,
     pub log_level: Option<LogLevel>,
     pub domain_id: u16,
     /// Discovery range if the environment names one. Nothing named means this machine only.
@@ -81,11 +80,19 @@ pub enum ArgsError {
         /// Expected form.
         expected: &'static str,
     },
-    /// Parameter files are not read.
-    #[error(
-        "'--params-file {file}': parameter files are not read; a line is set up by its description, give single parameters with -p name:=value"
-    )]
-    ParamsFile { file: String },
+    /// A value of a parameter that is no YAML.
+    #[error("'{option} {value}': {why}")]
+    Value { option: String, value: String, why: String },
+    /// A parameter file that cannot be had.
+    #[error("'--params-file {file}': {why}")]
+    ParamsFile {
+        file: String,
+        /// The operating system's words.
+        why: String,
+    },
+    /// What a parameter file has wrong.
+    #[error("{0:#}")]
+    InParamsFile(Box<Problems>),
     /// Not a level.
     #[error("'--log-level {value}': expected debug, info, warn, error or fatal")]
     LogLevel { value: String },
@@ -109,10 +116,12 @@ const WITHOUT_EFFECT: &[(&str, bool)] = &[
 ];
 
 impl RosArgs {
-    /// Splits `args` (without the program's name) into the ROS part, parsed, and the rest.
+    /// Splits `args` (without the program's name) into the ROS part, parsed, and the rest. `read` gives the text of a parameter
+    /// file, or the reason why it cannot be had.
     pub fn parse(
         args: impl IntoIterator<Item = String>,
         var: impl Fn(&str) -> Option<String>,
+        read: impl Fn(&str) -> Result<String, String>,
     ) -> Result<(Self, Vec<String>), ArgsError> {
         let environment = environment::read(var)?;
         let mut parsed = Self {
@@ -128,7 +137,7 @@ impl RosArgs {
             match (inside, argument.as_str()) {
                 (_, "--ros-args") => inside = true,
                 (true, "--") => inside = false,
-                (true, _) => parsed.take(argument, &mut args)?,
+                (true, _) => parsed.take(argument, &mut args, &read)?,
                 (false, _) => rest.push(argument),
             }
         }
@@ -139,16 +148,24 @@ impl RosArgs {
     /// Unicode can be no ROS argument; they are handed back with the offending bytes replaced.
     pub fn from_process() -> Result<(Self, Vec<String>), ArgsError> {
         let args = std::env::args_os().skip(1).map(|arg| arg.to_string_lossy().into_owned());
-        Self::parse(args, |name| std::env::var(name).ok())
+        Self::parse(args, |name| std::env::var(name).ok(), read_file)
     }
 
-    /// The last value given for a parameter of `node`.
-    pub fn param(&self, node: &str, name: &str) -> Option<&ParamValue> {
-        let ours = |p: &&Param| p.name == name && p.node.as_deref().is_none_or(|n| n == node);
-        self.params.iter().rev().find(ours).map(|p| &p.value)
+    /// The absolute name of a node after remaps.
+    ///
+    /// # Errors
+    /// When the name or the namespace is none, as given or as remapped.
+    pub fn node_name(&self, namespace: &str, name: &str) -> Result<String, NameError> {
+        let (namespace, name) = names::identify(&self.remaps, namespace, name)?;
+        names::expand(&name, &namespace, &name)
     }
 
-    fn take(&mut self, option: String, args: &mut impl Iterator<Item = String>) -> Result<(), ArgsError> {
+    fn take(
+        &mut self,
+        option: String,
+        args: &mut impl Iterator<Item = String>,
+        read: impl Fn(&str) -> Result<String, String>,
+    ) -> Result<(), ArgsError> {
         if let Some((_, with_value)) = WITHOUT_EFFECT.iter().find(|(known, _)| *known == option) {
             if *with_value && args.next().is_none() {
                 return Err(ArgsError::NoValue { option });
@@ -164,7 +181,7 @@ impl RosArgs {
             "-r" | "--remap" => self.remaps.push(remap(&option, value)?),
             "-p" | "--param" => self.params.push(param(&option, value)?),
             "--log-level" => self.log_level = Some(self.level(value)?),
-            _ => return Err(ArgsError::ParamsFile { file: value }),
+            _ => self.params.push(params_file(value, read)?),
         }
         Ok(())
     }
@@ -178,15 +195,25 @@ impl RosArgs {
             }
             None => &value,
         };
-        match text.to_ascii_lowercase().as_str() {
-            "debug" => Ok(LogLevel::Debug),
-            "info" => Ok(LogLevel::Info),
-            "warn" => Ok(LogLevel::Warn),
-            "error" => Ok(LogLevel::Error),
-            "fatal" => Ok(LogLevel::Fatal),
-            _ => Err(ArgsError::LogLevel { value }),
-        }
+        LogLevel::named(&text.to_ascii_lowercase()).ok_or(ArgsError::LogLevel { value })
     }
+}
+
+/// The text of a parameter file.
+fn read_file(path: &str) -> Result<String, String> {
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(|error| error.to_string())?;
+    file.take(FILE_BYTES_MAX as u64 + 1).read_to_string(&mut text).map_err(|error| error.to_string())?;
+    if text.len() > FILE_BYTES_MAX {
+        return Err(format!("it has more than {FILE_BYTES_MAX} bytes"));
+    }
+    Ok(text)
+}
+
+fn params_file(file: String, read: impl Fn(&str) -> Result<String, String>) -> Result<Override, ArgsError> {
+    let text = read(&file).map_err(|why| ArgsError::ParamsFile { file: file.clone(), why })?;
+    let read = ParameterFile::read(&file, &text).map_err(|problems| ArgsError::InParamsFile(Box::new(problems)))?;
+    Ok(Override::File(read))
 }
 
 /// Splits `[node:]left:=right`; both sides must be there.
@@ -218,55 +245,14 @@ fn remap(option: &str, value: String) -> Result<Remap, ArgsError> {
     Ok(Remap { node, target, to: to.to_owned() })
 }
 
-fn param(option: &str, value: String) -> Result<Param, ArgsError> {
-    match assignment(&value) {
-        Some((node, name, text)) => Ok(Param { node, name: name.to_owned(), value: scalar_or_list(text) }),
-        None => Err(ArgsError::Malformed { option: option.to_owned(), value, expected: "[node:]name:=value" }),
-    }
-}
-
-/// The YAML that fits on a command line: scalars and flat lists.
-fn scalar_or_list(text: &str) -> ParamValue {
-    let text = text.trim();
-    match text.strip_prefix('[').and_then(|t| t.strip_suffix(']')) {
-        Some(inner) if inner.trim().is_empty() => ParamValue::List(Vec::new()),
-        Some(inner) => ParamValue::List(items(inner).into_iter().map(|item| scalar(item.trim())).collect()),
-        None => scalar(text),
-    }
-}
-
-/// The items of a list: a comma between quotation marks separates none.
-fn items(inner: &str) -> Vec<&str> {
-    let mut quote = None;
-    let separates = |sign: char| {
-        match quote {
-            Some(open) if open == sign => quote = None,
-            None if matches!(sign, '\'' | '"') => quote = Some(sign),
-            Some(_) | None => {}
-        }
-        quote.is_none() && sign == ','
+fn param(option: &str, value: String) -> Result<Override, ArgsError> {
+    let option = option.to_owned();
+    let Some((node, name, text)) = assignment(&value) else {
+        return Err(ArgsError::Malformed { option, value, expected: "[node:]name:=value" });
     };
-    inner.split(separates).collect()
-}
-
-fn scalar(text: &str) -> ParamValue {
-    for quote in ['\'', '"'] {
-        if let Some(inner) = text.strip_prefix(quote).and_then(|t| t.strip_suffix(quote)) {
-            return ParamValue::Text(inner.to_owned());
-        }
-    }
-    match text.to_ascii_lowercase().as_str() {
-        "true" | "yes" | "on" | "y" => return ParamValue::Bool(true),
-        "false" | "no" | "off" | "n" => return ParamValue::Bool(false),
-        _ => {}
-    }
-    if let Ok(number) = text.parse::<i64>() {
-        return ParamValue::Integer(number);
-    }
-    // Rust also reads "inf" and "nan" as numbers; YAML writes those with a dot, and they are not needed here.
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && text.contains(|c: char| c.is_ascii_digit()) => ParamValue::Double(number),
-        _ => ParamValue::Text(text.to_owned()),
+    match argument_value(text) {
+        Ok(found) => Ok(Override::Argument(Argument { node, name: name.to_owned(), value: found })),
+        Err(why) => Err(ArgsError::Value { option, value, why }),
     }
 }
 

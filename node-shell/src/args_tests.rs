@@ -1,9 +1,15 @@
 //! Command lines and what they mean, as tables.
 
 use super::*;
+use linewright_parameters::ParameterValue;
 
 fn parse(line: &str) -> Result<(RosArgs, Vec<String>), ArgsError> {
-    RosArgs::parse(line.split_whitespace().map(str::to_owned), |_| None)
+    let read = |path: &str| match path {
+        "good.yaml" => Ok("/**:\n  ros__parameters: {a: 3}\n".to_owned()),
+        "bad.yaml" => Ok("/**:\n  ros__parameters: [\n".to_owned()),
+        _ => Err("there is no such file".to_owned()),
+    };
+    RosArgs::parse(line.split_whitespace().map(str::to_owned), |_| None, read)
 }
 
 #[test]
@@ -44,34 +50,26 @@ fn remaps() {
 }
 
 #[test]
-fn parameters_the_last_one_wins() {
-    let (args, _) = parse("--ros-args -p a:=1 -p a:=2 -p n:a:=3 --param b.c:=x").unwrap();
-    assert_eq!(args.param("other", "a"), Some(&ParamValue::Integer(2)));
-    assert_eq!(args.param("n", "a"), Some(&ParamValue::Integer(3)));
-    assert_eq!(args.param("n", "b.c"), Some(&ParamValue::Text("x".into())));
-    assert_eq!(args.param("n", "none"), None);
+fn parameters_of_files_and_arguments_keep_their_order() {
+    let (args, _) = parse("--ros-args -p a:=1 --params-file good.yaml -p n:a:=yes --param b.c:='/a:=b'").unwrap();
+    let argument = |node: Option<&str>, name: &str, value| {
+        Override::Argument(Argument { node: node.map(str::to_owned), name: name.to_owned(), value })
+    };
+    let file = ParameterFile::read("good.yaml", "/**:\n  ros__parameters: {a: 3}\n").expect("it is read");
+    let expected = [
+        argument(None, "a", ParameterValue::Integer(1)),
+        Override::File(file),
+        argument(Some("n"), "a", ParameterValue::Bool(true)),
+        argument(None, "b.c", ParameterValue::Text("/a:=b".into())),
+    ];
+    assert_eq!(args.params, expected);
 }
 
 #[test]
-fn parameter_values() {
-    let list = |items: &[i64]| ParamValue::List(items.iter().map(|i| ParamValue::Integer(*i)).collect());
-    for (text, value) in [
-        ("true", ParamValue::Bool(true)),
-        ("off", ParamValue::Bool(false)),
-        ("-7", ParamValue::Integer(-7)),
-        ("1.5", ParamValue::Double(1.5)),
-        ("1e3", ParamValue::Double(1000.0)),
-        ("'1'", ParamValue::Text("1".into())),
-        ("nan", ParamValue::Text("nan".into())),
-        ("vcan0", ParamValue::Text("vcan0".into())),
-        ("/a:=b", ParamValue::Text("/a:=b".into())),
-        ("[1,2]", list(&[1, 2])),
-        ("['a,b',\"c,d\"]", ParamValue::List(vec![ParamValue::Text("a,b".into()), ParamValue::Text("c,d".into())])),
-        ("[]", list(&[])),
-    ] {
-        let (args, _) = parse(&format!("--ros-args -p v:={text}")).unwrap();
-        assert_eq!(args.param("n", "v"), Some(&value), "{text}");
-    }
+fn a_node_has_the_name_that_it_is_given() {
+    let (args, _) = parse("--ros-args -r __ns:=/hall -r s1:__node:=s2").unwrap();
+    assert_eq!(args.node_name("/line", "s1").as_deref(), Ok("/hall/s2"));
+    assert_eq!(parse("").unwrap().0.node_name("/line", "s1").as_deref(), Ok("/line/s1"));
 }
 
 #[test]
@@ -98,7 +96,9 @@ fn refusals_name_the_culprit() {
         ("--ros-args -r :a:=b", ":a:=b"),
         ("--ros-args -r __what:=b", "__what"),
         ("--ros-args -p a", "'-p a'"),
-        ("--ros-args --params-file p.yaml", "p.yaml"),
+        ("--ros-args -p a:=[1", "'-p a:=[1'"),
+        ("--ros-args --params-file p.yaml", "'--params-file p.yaml': there is no such file"),
+        ("--ros-args --params-file bad.yaml", "bad.yaml:3:1: this is no YAML"),
         ("--ros-args --log-level loud", "loud"),
         ("--ros-args -e", "'-e'"),
     ] {
@@ -117,8 +117,8 @@ fn options_without_effect_are_reported() {
 #[test]
 fn the_environment_is_read_with_the_arguments() {
     let var = |name: &str| (name == "ROS_DOMAIN_ID").then(|| "17".to_owned());
-    let (args, _) = RosArgs::parse(Vec::new(), var).unwrap();
+    let (args, _) = RosArgs::parse(Vec::new(), var, |_| Ok(String::new())).unwrap();
     assert_eq!((args.domain_id, args.range), (17, None));
-    let error = RosArgs::parse(Vec::new(), |_| Some("bad".to_owned())).unwrap_err();
+    let error = RosArgs::parse(Vec::new(), |_| Some("bad".to_owned()), |_| Ok(String::new())).unwrap_err();
     assert!(error.to_string().contains("ROS_DOMAIN_ID"), "{error}");
 }

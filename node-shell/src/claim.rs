@@ -301,7 +301,7 @@ mod tests {
 
     fn args(domain_id: u16, more: &[&str]) -> RosArgs {
         let words = more.iter().map(|word| (*word).to_owned());
-        let (mut args, _) = RosArgs::parse(words, |_| None).expect("arguments");
+        let (mut args, _) = RosArgs::parse(words, |_| None, |_| Ok(String::new())).expect("arguments");
         args.domain_id = domain_id;
         args
     }

@@ -21,6 +21,7 @@ mod logging;
 mod lossy;
 pub mod names;
 mod pace;
+mod parameters;
 mod participant;
 mod publisher;
 pub mod qos;
@@ -35,14 +36,15 @@ pub use action::{
     ActionCaller, ActionOffer, ActionOwner, GoalAsked, GoalEnd, GoalError, GoalHandle, GoalOutcome, GoalRequest,
     serve_action,
 };
-pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
+pub use args::{ArgsError, LogLevel, RosArgs};
 pub use caller::{CallError, Caller, Mapping};
 pub use claim::{Claim, ClaimError, RunName, bus_managed_by, clock, lines_managing};
 pub use environment::{EnvironmentError, Range};
 pub use identity::{boot_id, fresh_boot_id, fresh_key, stamp};
 pub use journal::{Journal, JournalError};
-pub use logging::{LoggingError, flush_stderr, init as init_logging, stderr_line};
+pub use logging::{LoggingError, flush_stderr, init as init_logging, level_at_start, set_log_level, stderr_line};
 pub use pace::{MessagePace, forward_present, forward_timely};
+pub use parameters::{LOG_LEVEL, Parameters};
 pub use participant::{OpenError, Participant, RosNode, TopicError};
 pub use publisher::{Publisher, SendError};
 pub use recorder::JournalWriter;

@@ -11,7 +11,7 @@ use crate::lossy::LossyWriter;
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::fmt::Arguments;
 use std::io::{self, IsTerminal, Write};
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 use std::time::Duration;
 use thiserror::Error;
 use tracing_subscriber::EnvFilter;
@@ -36,14 +36,40 @@ static STDERR: LazyLock<io::Result<LossyWriter>> = LazyLock::new(|| LossyWriter:
 /// Most time that the end of a process may wait for its log.
 const FLUSH_WITHIN: Duration = Duration::from_millis(500);
 
+/// Puts another filter into force.
+type Reload = Box<dyn Fn(EnvFilter) + Send + Sync>;
+
+/// For the filter in force, once logging has been started.
+static RELOAD: OnceLock<Reload> = OnceLock::new();
+
+/// The filter of the environment, if it decides: there is one, and no level is given.
+fn filter_of_environment(level: Option<LogLevel>) -> Option<String> {
+    std::env::var("RUST_LOG").ok().filter(|text| level.is_none() && !text.is_empty())
+}
+
+/// Name of the log level that this process starts with; `RUST_LOG` where the filter of that variable decides.
+pub fn level_at_start(level: Option<LogLevel>) -> &'static str {
+    match filter_of_environment(level) {
+        Some(_) => "RUST_LOG",
+        None => level.unwrap_or(LogLevel::Info).name(),
+    }
+}
+
+/// Logs with another level from now on, in the whole process. Without effect before logging is started.
+pub fn set_log_level(level: LogLevel) {
+    if let (Some(reload), Ok(filter)) = (RELOAD.get(), EnvFilter::try_new(directives(level))) {
+        reload(filter);
+    }
+}
+
 /// Starts logging for this process. Call [`flush_stderr`] before it ends.
 pub fn init(level: Option<LogLevel>) -> Result<(), LoggingError> {
-    let filter = match (level, std::env::var("RUST_LOG")) {
-        (None, Ok(text)) if !text.is_empty() => EnvFilter::try_new(text)?,
-        (level, _) => EnvFilter::try_new(directives(level.unwrap_or(LogLevel::Info)))?,
+    let filter = match filter_of_environment(level) {
+        Some(text) => EnvFilter::try_new(text)?,
+        None => EnvFilter::try_new(directives(level.unwrap_or(LogLevel::Info)))?,
     };
     let log = STDERR.as_ref().map_err(|error| LoggingError::Thread(error.to_string()))?;
-    tracing_subscriber::fmt()
+    let subscriber = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(log.clone())
         // A log file has no colours.
@@ -51,8 +77,16 @@ pub fn init(level: Option<LogLevel>) -> Result<(), LoggingError> {
         // Errors of its own it prints to stderr, and panics where that cannot be written.
         .log_internal_errors(false)
         .with_target(false)
-        .try_init()
-        .map_err(LoggingError::Twice)?;
+        .with_filter_reloading();
+    let handle = subscriber.reload_handle();
+    subscriber.try_init().map_err(LoggingError::Twice)?;
+    let reload = move |filter| {
+        if let Err(error) = handle.reload(filter) {
+            tracing::warn!("the log level stays: {error}");
+        }
+    };
+    // The first one: logging is not set up twice.
+    let _ = RELOAD.set(Box::new(reload));
     std::panic::set_hook(Box::new(|panic| {
         let trace = Backtrace::capture();
         if trace.status() == BacktraceStatus::Captured {

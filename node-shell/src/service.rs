@@ -187,7 +187,10 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linewright_msgs::{CoReadRequest, ProductionRequest, SubmitOrdersRequest, TriggerRequest, WhyNotRequest};
+    use linewright_msgs::{
+        CoReadRequest, GetParametersRequest, ListParametersRequest, Parameter, ParameterValue, ProductionRequest,
+        SetParametersRequest, SubmitOrdersRequest, TriggerRequest, WhyNotRequest,
+    };
     use proptest::prelude::*;
 
     fn both_ways<T: RosMessage + PartialEq + fmt::Debug>(asked: &T, header: [u8; HEADER], padding: usize) {
@@ -216,6 +219,11 @@ mod tests {
             both_ways(&CoReadRequest { index: 0x1018, subindex: 1 }, header, padding);
             let of = |name: &String| ProductionRequest { name: name.clone(), after: names.clone(), ..Default::default() };
             both_ways(&SubmitOrdersRequest { requests: names.iter().map(of).collect() }, header, padding);
+            both_ways(&GetParametersRequest { names: names.clone() }, header, padding);
+            both_ways(&ListParametersRequest { prefixes: names.clone(), depth: number }, header, padding);
+            let value = ParameterValue { r#type: 4, string_value: "debug".into(), ..Default::default() };
+            let one = |name: &String| Parameter { name: name.clone(), value: value.clone() };
+            both_ways(&SetParametersRequest { parameters: names.iter().map(one).collect() }, header, padding);
             for about in &names {
                 both_ways(&WhyNotRequest { about: about.clone() }, header, padding);
             }

@@ -7,4 +7,5 @@ mod interop;
 mod log;
 mod loopback;
 mod many_participants;
+mod parameters;
 mod services;

@@ -9,11 +9,15 @@
 use linewright_msgs::{
     Answer, CORead, CoReadRequest, CoReadResponse, RunTask, RunTaskFeedback, RunTaskResult, StationState, Text,
 };
-use linewright_node_shell::{GoalAsked, GoalEnd, GoalRequest, Participant, RosArgs, qos, serve, serve_action, stamp};
+use linewright_node_shell::{
+    GoalAsked, GoalEnd, GoalRequest, Parameters, Participant, RosArgs, qos, serve, serve_action, stamp,
+};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use tokio::time::{sleep, timeout};
+
+use crate::parameters::set;
 
 const INSIDE: &str = "interop::inside_the_namespace";
 
@@ -66,6 +70,7 @@ fn inside_the_namespace() {
     runtime.block_on(both_ways());
     runtime.block_on(a_service_is_called());
     runtime.block_on(an_action_is_asked_for());
+    runtime.block_on(parameters_are_asked_for_and_set());
 }
 
 async fn both_ways() {
@@ -168,6 +173,38 @@ async fn an_action_is_asked_for() {
         "status [5]",
     ];
     assert_eq!(said, expected);
+}
+
+/// As rclpy under rmw_cyclonedds sends it, for each of the six services.
+async fn parameters_are_asked_for_and_set() {
+    let participant = Participant::open(&RosArgs::default()).expect("participant");
+    let mut node = participant.node("/line", "drill").expect("node");
+    let parameters = Parameters::serve(&mut node, set()).expect("services");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/interop/parameters.py");
+    let peer = Command::new(python()).args([script, "0", "/line/drill"]).stdout(Stdio::piped()).spawn();
+    let peer = peer.expect("the peer starts");
+    let ended = tokio::task::spawn_blocking(move || peer.wait_with_output()).await.expect("waited for");
+    let said = String::from_utf8(ended.expect("its output").stdout).expect("text");
+    println!("Cyclone DDS asked for parameters:\n{said}");
+    let expected = [
+        "list ['fixed', 'mode', 'rate_s'] []",
+        "describe rate_s 3 False [(0.5, 10.0)] How often. ",
+        "describe mode 4 False [] How. One of slow, fast.",
+        "describe none 0 False []  ",
+        "types [3, 0, 4]",
+        "set True ",
+        "set False rate_s is from 0.5 to 10.0, and not 99.0",
+        "set False fixed is read-only, and is 'as it is'; it is set by the description",
+        "set True ",
+        "all False rate_s is a double, and not an integer; write 3.0",
+        "all True ",
+        "get [(3, 3.0, ''), (4, 0.0, 'slow'), (0, 0.0, '')]",
+        "event /line/drill [('rate_s', 2.5)]",
+        "event /line/drill [('mode', 'fast')]",
+        "event /line/drill [('mode', 'slow'), ('rate_s', 3.0)]",
+    ];
+    assert_eq!(said.lines().collect::<Vec<_>>(), expected);
+    assert!(!parameters.is_failed());
 }
 
 fn state() -> StationState {

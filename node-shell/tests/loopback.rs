@@ -228,7 +228,8 @@ async fn a_receive_that_is_cancelled_loses_nothing() {
 #[tokio::test]
 async fn names_are_remapped_on_the_wire() {
     let line = "--ros-args -r __ns:=/other -r __node:=n -r mode_cmd:=/other/cmd";
-    let (mut args_here, _) = RosArgs::parse(line.split(' ').map(str::to_owned), |_| None).expect("arguments");
+    let (mut args_here, _) =
+        RosArgs::parse(line.split(' ').map(str::to_owned), |_| None, |_| Ok(String::new())).expect("arguments");
     args_here.domain_id = args(5).domain_id;
     let participant = Participant::open(&args_here).expect("participant");
     let mut node = participant.node("/line", "given").expect("node");

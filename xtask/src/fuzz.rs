@@ -8,12 +8,13 @@ use std::process::Command;
 use crate::part::lines;
 
 /// The fuzz targets, with the directories that their seeds are in besides `fuzz/seeds`.
-const TARGETS: [(&str, &[&str]); 7] = [
+const TARGETS: [(&str, &[&str]); 8] = [
     ("description", &["model/line/tests/descriptions", "launch-config/lines/transfer-line"]),
     ("cell", &["launch-config/lines/workcell-c1", "launch-config/lines/assembly-cell"]),
     ("pnml", &[]),
     ("eds", &["model/eds/tests/devices", "launch-config/devices"]),
     ("dbc", &[]),
+    ("parameters", &[]),
     ("sdo", &[]),
     ("frames", &[]),
 ];

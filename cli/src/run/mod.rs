@@ -42,7 +42,7 @@ use cell::CellRun;
 use children::Children;
 use directory::RunDirectory;
 use observer::BusObserver;
-use start::{addresses_are_free, nothing_runs_yet, start_all, structure_holds};
+use start::{addresses_are_free, arguments_fit, nothing_runs_yet, start_all, structure_holds};
 use startup::StartUp;
 use stopping::{StopStep, next_step};
 use tally::{RunTally, standing};
@@ -114,11 +114,7 @@ const REPEAT: Duration = Duration::from_millis(300);
 pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, args.json)?;
     let cell = load::cell_of(&args.line, &line)?;
-    match &cell {
-        None if !args.parts.is_empty() => return Err(miette!("--parts is for cells; there is no cell.toml")),
-        Some(_) if args.cycles.is_some() => return Err(miette!("a cell has no cycles; order parts with --parts")),
-        Some(_) | None => {}
-    }
+    arguments_fit(&line, cell.as_ref(), &args, &ros)?;
     if !args.unchecked {
         structure_holds(&line, &args.line)?;
     }

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use linewright_cell::Cell;
 use linewright_fieldbus::BusOptions;
 use linewright_line::Line;
 use linewright_node_shell::RosArgs;
@@ -11,7 +12,18 @@ use miette::{IntoDiagnostic, miette};
 use super::Args;
 use super::children::Children;
 use crate::can::run_of;
-use crate::nodes::{claim_coordinator, claim_station};
+use crate::nodes::{claim_coordinator, claim_station, parameters_of_coordinator, parameters_of_station};
+
+/// Whether the arguments are those of this line or cell, and each node takes the parameters it is given.
+pub fn arguments_fit(line: &Line, cell: Option<&Cell>, args: &Args, ros: &RosArgs) -> miette::Result<()> {
+    match cell {
+        None if !args.parts.is_empty() => return Err(miette!("--parts is for cells; there is no cell.toml")),
+        Some(_) if args.cycles.is_some() => return Err(miette!("a cell has no cycles; order parts with --parts")),
+        Some(_) | None => {}
+    }
+    parameters_of_coordinator((line, cell), ros, Some(&args.bus), args.retention)?;
+    line.station_ids().try_for_each(|station| parameters_of_station(line, ros, station).map(drop))
+}
 
 /// What `check` refuses by structure alone is not started: its arrows do not keep stations apart, or its net is broken.
 pub fn structure_holds(line: &Line, file: &Path) -> miette::Result<()> {

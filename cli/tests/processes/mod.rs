@@ -22,6 +22,7 @@ mod kills;
 mod modbus;
 mod operated;
 mod other_devices;
+mod parameters;
 mod recovered;
 mod remaps;
 mod rubbish;

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_coordinator_logic::{ModeRefusal, RefusedCommand, StationView};
+use linewright_coordinator_shell::parameters::MODE_TEXT_PERIOD;
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
@@ -12,8 +13,10 @@ use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
 use linewright_node_line::devices::{Devices, in_words};
 use linewright_node_line::{Waiting, open_buses, quoted, report_from_message};
 use linewright_node_shell::{
-    Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id,
+    Forward, JournalError, JournalWriter, OpenError, Parameters, Participant, TopicError, Watchdog, fresh_boot_id,
 };
+use linewright_parameters::ParameterSet;
+use linewright_station_shell::parameters::DIAGNOSTICS_PERIOD;
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
@@ -75,7 +78,12 @@ pub struct CoordinatorOptions {
     pub bus: linewright_fieldbus::BusOptions,
     /// The process's clock.
     pub clock: Clock,
+    /// The parameters, with the values that they are started with.
+    pub parameters: ParameterSet,
 }
+
+/// Period of the mode as text, unless it is set.
+const TEXT_EVERY: Duration = Duration::from_secs(1);
 
 /// Runs the coordinator until `stop` turns true, then switches all outputs off.
 ///
@@ -147,8 +155,11 @@ pub(crate) struct CoordinatorLoop {
     pub(crate) stop_time: StopTime,
     pub(crate) text: String,
     pub(crate) text_due: Tick,
+    /// Period of the mode as text while it does not change.
+    pub(crate) text_every: Duration,
     ignored: u64,
     has_ended: bool,
+    parameters: Parameters,
     // The node must outlive its publishers and subscriptions.
     _node: linewright_node_shell::RosNode,
 }
@@ -162,7 +173,7 @@ impl Drop for CoordinatorLoop {
 
 impl CoordinatorLoop {
     fn start(options: CoordinatorOptions, participant: &Participant) -> Result<Self, CoordinatorNodeError> {
-        let CoordinatorOptions { line, cell, interface, state_dir, retention, bus, clock } = options;
+        let CoordinatorOptions { line, cell, interface, state_dir, retention, bus, clock, parameters } = options;
         let descriptions = Fingerprints::of(&line, cell.as_ref());
         let (journal, record) = match &state_dir {
             Some(dir) => {
@@ -189,7 +200,8 @@ impl CoordinatorLoop {
         let cell = cell.map(|cell| CellNodeOptions { cell, line: line.clone(), state_dir, retention, boot_id });
         let last = buses.last_orders();
         let cell = cell.map(|options| CellThread::open(options, &mut node, last)).transpose()?;
-        Ok(CoordinatorLoop {
+        let parameters = Parameters::serve(&mut node, parameters)?;
+        let mut node = CoordinatorLoop {
             shell: CoordinatorShell::new(&line, boot_id, record.unwrap_or_default()),
             effects: Vec::new(),
             cell,
@@ -208,13 +220,28 @@ impl CoordinatorLoop {
             stop_time: StopTime::default(),
             text: String::new(),
             text_due: Tick::ZERO,
+            text_every: TEXT_EVERY,
             ignored: 0,
             has_ended: false,
             clock,
             line,
             descriptions,
+            parameters,
             _node: node,
-        })
+        };
+        node.follow_parameters();
+        Ok(node)
+    }
+
+    /// Puts the parameters into force that concern the node's loop.
+    fn follow_parameters(&mut self) {
+        if let Some(every) = self.parameters.seconds(DIAGNOSTICS_PERIOD.name) {
+            self.devices.report_every(every);
+        }
+        if let Some(every) = self.parameters.seconds(MODE_TEXT_PERIOD.name) {
+            self.text_every = every;
+            self.text_due = self.text_due.min(self.clock.now() + every);
+        }
     }
 
     async fn work(&mut self, watchdog: &Watchdog, mut stop: watch::Receiver<bool>) -> Result<(), CoordinatorNodeError> {
@@ -242,6 +269,7 @@ impl CoordinatorLoop {
                     None => return Err(CoordinatorNodeError::Middleware),
                 },
                 news = CellThread::news(&mut self.cell) => news?,
+                () = self.parameters.changed() => self.follow_parameters(),
                 () = self.clock.sleep_until(Some(deadline)) => {}
                 () = tokio::time::sleep(Watchdog::FEED) => {}
             }
@@ -251,7 +279,8 @@ impl CoordinatorLoop {
                 return Err(CoordinatorNodeError::Second(other));
             }
             let cut_off = self.cell.as_ref().is_some_and(CellThread::is_cut_off);
-            if self.tasks.iter().any(Forward::is_finished) || self.devices.is_failed() || cut_off {
+            let has_failed = self.devices.is_failed() || self.parameters.is_failed();
+            if self.tasks.iter().any(Forward::is_finished) || has_failed || cut_off {
                 return Err(CoordinatorNodeError::Middleware);
             }
         }

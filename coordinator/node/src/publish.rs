@@ -1,6 +1,6 @@
 //! The order and the state of the line as messages.
 
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
 use linewright_coordinator_logic::EStopCause;
 use linewright_line::{StationId, Tick};
@@ -10,9 +10,6 @@ use linewright_node_shell::stamp;
 
 use crate::node::CoordinatorLoop;
 use crate::topics::standing_message;
-
-/// Period of the mode as text while it does not change.
-const TEXT_EVERY: Duration = Duration::from_secs(1);
 
 impl CoordinatorLoop {
     pub(crate) fn send_order(&mut self, sequence: u64) {
@@ -51,7 +48,7 @@ impl CoordinatorLoop {
         let text = coordinator.text_with(self.stop_time.text((now, SystemTime::now()), since));
         // Latched for readers that request it, and repeated for those that do not, as `ros2 topic echo` may not.
         if text != self.text || now >= self.text_due {
-            self.text_due = now + TEXT_EVERY;
+            self.text_due = now + self.text_every;
             self.text.clone_from(&text);
             self.says.mode_text.send(Text { data: text.clone() });
         }

@@ -9,6 +9,7 @@
 mod effect;
 mod gateway_station;
 pub mod orders;
+pub mod parameters;
 mod shell;
 
 pub use effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, InputsImage, heard};

@@ -40,12 +40,14 @@ pub enum FieldType {
 }
 
 impl FieldType {
-    /// Whether values of it are compared as floating point numbers are: not all of them equal themselves.
-    pub fn has_float(&self) -> bool {
+    /// Whether values of it are compared as floating point numbers are: not all of them equal themselves. So are those of
+    /// the messages `with_floats`.
+    pub fn has_float(&self, with_floats: &[&str]) -> bool {
         match self {
             FieldType::Plain(rust) => *rust == "f64",
-            FieldType::Sequence(element, _) => element.has_float(),
-            FieldType::Byte | FieldType::Text | FieldType::Message(_) => false,
+            FieldType::Sequence(element, _) => element.has_float(with_floats),
+            FieldType::Message(name) => with_floats.contains(&name.as_str()),
+            FieldType::Byte | FieldType::Text => false,
         }
     }
 }

@@ -29,6 +29,12 @@ const CHECKED: [&str; 16] = [
     "SubmitOrdersRequest",
 ];
 
+/// Messages with a floating point number, for those that have one of them inside. Without an entry these do not compile.
+const WITH_FLOATS: [&str; 4] = ["FloatingPointRange", "Parameter", "ParameterDescriptor", "ParameterValue"];
+
+/// Names of fields that mean something else in Rust.
+const RUST_WORDS: [&str; 1] = ["type"];
+
 /// Interface of a text.
 pub struct InterfaceText<'a> {
     pub package: &'a str,
@@ -91,8 +97,8 @@ impl InterfaceText<'_> {
                       pub structure_needs_at_least_one_member: u8,\n"
                 .to_owned();
         }
-        // A message with a message of that kind inside does not compile: none needs it yet.
-        let eq = if section.fields.iter().any(|field| field.kind.has_float()) { "" } else { " Eq," };
+        let has_float = |field: &MessageField| field.kind.has_float(&WITH_FLOATS);
+        let eq = if section.fields.iter().any(has_float) { "" } else { " Eq," };
         let mut text = format!(
             "{about}#[derive(Debug, Clone, PartialEq,{eq} Default, serde::Serialize, serde::Deserialize)]\n\
              pub struct {rust} {{\n{fields}}}\n\n"
@@ -117,7 +123,11 @@ impl InterfaceText<'_> {
 }
 
 fn field(field: &MessageField) -> String {
-    format!("{}    pub {}: {},\n", comment(&field.doc, "    "), field.name, rust_type(&field.kind))
+    format!("{}    pub {}: {},\n", comment(&field.doc, "    "), field_name(&field.name), rust_type(&field.kind))
+}
+
+fn field_name(ros: &str) -> String {
+    if RUST_WORDS.contains(&ros) { format!("r#{ros}") } else { ros.to_owned() }
 }
 
 fn constant(constant: &MessageConstant) -> String {

@@ -2,10 +2,11 @@
 //! hostile input.
 
 use linewright_msgs::{
-    ActivityState, AlarmState, Answer, Bounded, CellState, CoReadRequest, CoReadResponse, CoWriteIdRequest, CycleTime,
-    DiagnosticArray, DiagnosticStatus, Flag, Header, KeyValue, LineState, ModeOrder, OrderEnd, OrderState, PartState,
-    ProcessImage, ProductionRequest, ProductionState, RunTaskFeedback, RunTaskGoal, RunTaskResult, SecureOrder,
-    StationEvent, StationState, Text, Time, TriggerResponse,
+    ActivityState, AlarmState, Answer, Bounded, Byte, CellState, CoReadRequest, CoReadResponse, CoWriteIdRequest,
+    CycleTime, DescribeParametersResponse, DiagnosticArray, DiagnosticStatus, Flag, FloatingPointRange, Header,
+    IntegerRange, KeyValue, LineState, ModeOrder, OrderEnd, OrderState, Parameter, ParameterDescriptor, ParameterEvent,
+    ParameterValue, PartState, ProcessImage, ProductionRequest, ProductionState, RunTaskFeedback, RunTaskGoal,
+    RunTaskResult, SecureOrder, StationEvent, StationState, Text, Time, TriggerResponse,
 };
 
 pub fn header() -> Header {
@@ -215,6 +216,42 @@ pub fn order_state() -> OrderState {
         refused: Bounded::new(vec![end(39, RunTaskResult::END_REFUSED, RunTaskResult::REFUSED_BUSY)]).unwrap(),
         inputs: Bounded::new(vec![0b101, 0x80]).unwrap(),
     }
+}
+
+pub fn parameters() -> (ParameterEvent, DescribeParametersResponse) {
+    let value = ParameterValue {
+        r#type: ParameterValue::TYPE_DOUBLE,
+        bool_value: true,
+        integer_value: -3,
+        double_value: 1.5,
+        string_value: "debug".into(),
+        byte_array_value: vec![Byte(7)],
+        bool_array_value: vec![false, true],
+        integer_array_value: vec![i64::MIN],
+        double_array_value: vec![-0.25],
+        string_array_value: vec!["a".into(), String::new()],
+    };
+    let parameter = |name: &str| Parameter { name: name.into(), value: value.clone() };
+    let event = ParameterEvent {
+        stamp: header().stamp,
+        node: "/line/s1".into(),
+        new_parameters: vec![parameter("new")],
+        changed_parameters: vec![parameter("changed"), parameter("b.c")],
+        deleted_parameters: vec![parameter("deleted")],
+    };
+    let range = FloatingPointRange { from_value: 0.5, to_value: 10.0, step: 0.25 };
+    let whole = IntegerRange { from_value: -2, to_value: 9, step: 3 };
+    let descriptor = ParameterDescriptor {
+        name: "rate".into(),
+        r#type: ParameterValue::TYPE_DOUBLE,
+        description: "How often.".into(),
+        additional_constraints: "Odd.".into(),
+        read_only: true,
+        dynamic_typing: false,
+        floating_point_range: Bounded::new(vec![range]).expect("one"),
+        integer_range: Bounded::new(vec![whole]).expect("one"),
+    };
+    (event, DescribeParametersResponse { descriptors: vec![descriptor.clone(), descriptor] })
 }
 
 pub fn secure_order() -> SecureOrder {

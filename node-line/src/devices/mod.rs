@@ -22,11 +22,11 @@ pub use services::DeviceServiceRequest;
 use services::PendingTransfer;
 pub use trouble::{DeviceDiagnosticsTopic, TROUBLE_BYTES_MAX, cause, in_words, since_start};
 
-/// Period of full reports when nothing changes.
+/// Period of full reports when nothing changes, unless it is set.
 const EVERY: Duration = Duration::from_secs(1);
 /// Least time between two reports of news: a device that comes and goes must not flood a reliable topic.
 const NEWS_EVERY: Duration = Duration::from_millis(50);
-/// Most states of one device published at once within a second; after that, only the newest every [`NEWS_EVERY`].
+/// Most states of one device published at once within such a period; after that, only the newest every [`NEWS_EVERY`].
 const STATES_MAX: u32 = 20;
 /// Requests that wait for this node; more wait in the middleware, ten for each service.
 const QUEUE: usize = 64;
@@ -54,6 +54,8 @@ pub struct Devices {
     key: PlainReportKey,
     due: Tick,
     last: Tick,
+    /// Period of full reports.
+    every: Duration,
     from: mpsc::Receiver<DeviceServiceRequest>,
     pending: Vec<PendingTransfer>,
     tasks: Vec<Forward>,
@@ -100,6 +102,7 @@ impl Devices {
             key: PlainReportKey::default(),
             due: Tick::ZERO,
             last: Tick::ZERO,
+            every: EVERY,
             from,
             pending: Vec::new(),
             tasks,
@@ -122,6 +125,12 @@ impl Devices {
 
     pub fn deadline(&self) -> Tick {
         self.due
+    }
+
+    /// Sets the period of full reports.
+    pub fn report_every(&mut self, every: Duration) {
+        self.every = every;
+        self.due = self.due.min(self.last + every);
     }
 
     /// Takes what the buses report: news are published at once, answers passed on.
@@ -163,8 +172,9 @@ impl Devices {
         self.states(buses, u32::MAX);
         let diagnoses = buses.diagnoses();
         let key: PlainReportKey = diagnoses.iter().map(Diagnosis::key).collect();
-        if self.key != key || self.last + EVERY <= now {
-            if self.last + EVERY <= now {
+        let is_regular = self.last + self.every <= now;
+        if self.key != key || is_regular {
+            if is_regular {
                 self.told.iter_mut().for_each(|told| told.at_once = 0);
             }
             self.key = key;
@@ -172,6 +182,6 @@ impl Devices {
             let status = diagnoses.into_iter().map(|diagnosis| self.message(diagnosis)).collect();
             self.diagnostics.send(DiagnosticArray { header: stamp(), status });
         }
-        self.due = self.last + EVERY;
+        self.due = self.last + self.every;
     }
 }

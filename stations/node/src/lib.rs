@@ -8,6 +8,7 @@ mod device_texts;
 mod journal;
 mod node;
 mod orders;
+mod tell;
 mod topics;
 mod waiting;
 

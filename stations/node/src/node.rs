@@ -4,16 +4,19 @@ use std::path::PathBuf;
 
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
-use linewright_line::{DeviceBus, Line, OpId, Owner, StationId, Tick};
-use linewright_msgs::{ProcessImage, StationEvent, StationState, fitting};
+use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
+use linewright_msgs::{ProcessImage, StationState};
 use linewright_node_line::devices::{DeviceDiagnosticsTopic, DeviceServiceRequest, Devices};
 use linewright_node_line::quoted;
 use linewright_node_line::{Confirmation, Waiting, open_buses};
-use linewright_node_line::{kind_of, order_from_message, report_from_message, report_to_message};
+use linewright_node_line::{order_from_message, report_from_message};
 use linewright_node_shell::{
-    Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
+    Forward, JournalError, JournalWriter, OpenError, Parameters, Participant, TopicError, Watchdog, fresh_boot_id,
+    stamp,
 };
-use linewright_station_logic::{CompileError, HappeningKind, LeaveWay, PanelCommand, Restore, StationHappening};
+use linewright_parameters::ParameterSet;
+use linewright_station_logic::{CompileError, LeaveWay, PanelCommand, Restore};
+use linewright_station_shell::parameters::DIAGNOSTICS_PERIOD;
 use linewright_station_shell::{Driven, StationArrival, StationEffect, StationShell};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -68,6 +71,8 @@ pub struct StationOptions {
     pub bus: linewright_fieldbus::BusOptions,
     /// The process's clock.
     pub clock: Clock,
+    /// The parameters, with the values that they are started with.
+    pub parameters: ParameterSet,
 }
 
 /// Runs the station until `stop` turns true, then switches its outputs off.
@@ -120,18 +125,19 @@ pub(crate) struct StationLoop {
     /// The devices on them, for ROS 2.
     devices: Option<Devices>,
     trouble: Option<DeviceDiagnosticsTopic>,
-    words: DeviceTexts,
+    pub(crate) words: DeviceTexts,
     pub(crate) journal: Option<JournalWriter>,
     pub(crate) waiting: Waiting<StationInbound>,
     /// Identity of this start of the host.
     pub(crate) host: String,
-    says: StationPublishers,
+    pub(crate) says: StationPublishers,
     pub(crate) from: mpsc::Receiver<StationInbound>,
     tasks: Vec<Forward>,
-    event_sequence: u64,
+    pub(crate) event_sequence: u64,
     /// State sent last; the next one overwrites all but the fingerprint of the description.
-    message: StationState,
+    pub(crate) message: StationState,
     has_ended: bool,
+    parameters: Parameters,
     // The node must outlive its publishers and subscriptions.
     _node: linewright_node_shell::RosNode,
 }
@@ -145,7 +151,7 @@ impl Drop for StationLoop {
 
 impl StationLoop {
     fn start(options: StationOptions, participant: &Participant) -> Result<Self, StationNodeError> {
-        let StationOptions { line, station, state_dir, bus, clock } = options;
+        let StationOptions { line, station, state_dir, bus, clock, parameters } = options;
         let name = line.station(station).name.clone();
         let mut journal = None;
         let mut restore = Restore::Fresh;
@@ -186,8 +192,9 @@ impl StationLoop {
             .as_ref()
             .map(|_| DeviceDiagnosticsTopic::open(&mut node, "~/trouble", owner, "station"))
             .transpose()?;
+        let parameters = Parameters::serve(&mut node, parameters)?;
         let message = StationState { description: line.fingerprint(), ..StationState::default() };
-        Ok(StationLoop {
+        let mut node = StationLoop {
             line,
             station,
             name,
@@ -207,8 +214,18 @@ impl StationLoop {
             event_sequence: 0,
             message,
             has_ended: false,
+            parameters,
             _node: node,
-        })
+        };
+        node.follow_parameters();
+        Ok(node)
+    }
+
+    /// Puts the parameters into force that concern the node's loop.
+    fn follow_parameters(&mut self) {
+        if let (Some(devices), Some(every)) = (&mut self.devices, self.parameters.seconds(DIAGNOSTICS_PERIOD.name)) {
+            devices.report_every(every);
+        }
     }
 
     async fn work(&mut self, watchdog: &Watchdog, mut stop: watch::Receiver<bool>) -> Result<(), StationNodeError> {
@@ -237,6 +254,7 @@ impl StationLoop {
                     None => return Err(self.cut_off()),
                 },
                 asked = next_asked(&mut self.devices) => self.asked(asked),
+                () = self.parameters.changed() => self.follow_parameters(),
                 () = self.clock.sleep_until(Some(deadline)) => {}
                 () = tokio::time::sleep(Watchdog::FEED) => {}
             }
@@ -249,7 +267,8 @@ impl StationLoop {
                 self.arrived(arrived);
             }
             self.act().await?;
-            if self.tasks.iter().any(Forward::is_finished) || self.devices.as_ref().is_some_and(Devices::is_failed) {
+            let devices_failed = self.devices.as_ref().is_some_and(Devices::is_failed);
+            if self.tasks.iter().any(Forward::is_finished) || devices_failed || self.parameters.is_failed() {
                 return Err(self.cut_off());
             }
         }
@@ -423,53 +442,6 @@ impl StationLoop {
             };
             message.set_word(image.bits);
             publisher.send(message);
-        }
-    }
-
-    fn tell_state(&mut self, now: Tick, sequence: u64) {
-        report_to_message(&self.line, self.shell.controller(), now, &mut self.message);
-        let StationState { devices_valid, fault, blocked_by, .. } = &mut self.message;
-        self.words.complete(*devices_valid, fault, blocked_by);
-        self.message.header = stamp();
-        self.message.boot_id = self.shell.boot_id();
-        self.message.sequence = sequence;
-        self.says.state.send(self.message.clone());
-    }
-
-    fn tell_ignored(&mut self, count: u64, why: &str) {
-        tracing::warn!(station = self.name, ignored = count, "ignored a message: {why}");
-        let cycle = self.shell.controller().cycle();
-        self.send_event(StationEvent::KIND_IGNORED, None, cycle, format!("ignored {count} so far: {why}"));
-    }
-
-    fn tell_event(&mut self, event: &StationHappening) {
-        let text = self.text_of(event);
-        tracing::info!(station = self.name, cycle = event.cycle, "{text}");
-        let (kind, op) = kind_of(event);
-        self.send_event(kind, op, event.cycle, text);
-    }
-
-    fn send_event(&mut self, kind: u8, op: Option<OpId>, cycle: i32, text: String) {
-        self.event_sequence += 1;
-        self.says.event.send(StationEvent {
-            header: stamp(),
-            station: self.name.clone(),
-            sequence: self.event_sequence,
-            kind,
-            operation: op.map(|op| self.line.operation((self.station, op)).name.clone()).unwrap_or_default(),
-            cycle,
-            text: fitting(text),
-        });
-    }
-
-    fn text_of(&self, event: &StationHappening) -> String {
-        let text = self.words.event(event, self.shell.controller().event_text(&self.line, event));
-        if event.what == HappeningKind::Refused {
-            // The reasons are those of the state it was refused in, which is still the present one.
-            let reasons = self.shell.controller().blocked_by(&self.line, self.clock.now());
-            format!("{text}: waits for {}", reasons.join("; "))
-        } else {
-            text
         }
     }
 

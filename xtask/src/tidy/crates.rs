@@ -7,7 +7,7 @@ use super::WorkspaceMember;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 24] = [
+pub const PURE: [&str; 25] = [
     "linewright-random",
     "linewright-nets",
     "linewright-diagnostics",
@@ -18,6 +18,7 @@ pub const PURE: [&str; 24] = [
     "linewright-cell",
     "linewright-dbc",
     "linewright-orders",
+    "linewright-parameters",
     "linewright-station-logic",
     "linewright-station-shell",
     "linewright-coordinator-logic",
@@ -52,7 +53,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 41] = [
+const MAY_USE: [(&str, &[&str]); 42] = [
     ("linewright-random", &[]),
     ("linewright-nets", &[]),
     ("linewright-diagnostics", &[]),
@@ -66,24 +67,27 @@ const MAY_USE: [(&str, &[&str]); 41] = [
     ("linewright-cell", &["linewright-nets", "linewright-text", "linewright-line"]),
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-orders", &["linewright-line"]),
+    ("linewright-parameters", &["linewright-diagnostics", "linewright-text"]),
     ("linewright-station-logic", &["linewright-line", "linewright-orders"]),
-    ("linewright-station-shell", &["linewright-line", "linewright-station-logic"]),
+    ("linewright-station-shell", &["linewright-line", "linewright-parameters", "linewright-station-logic"]),
     ("linewright-coordinator-logic", &["linewright-random", "linewright-nets", "linewright-line"]),
     ("linewright-coordinator-cell", &["linewright-nets", "linewright-line", "linewright-orders", "linewright-cell"]),
     (
         "linewright-coordinator-shell",
         &[
             "linewright-line",
+            "linewright-cell",
             "linewright-station-logic",
-            // The choice of the newer of two messages is made once, there.
+            // The choice of the newer of two messages is made once, there, and the parameters of all nodes are declared.
             "linewright-station-shell",
             "linewright-coordinator-logic",
             "linewright-coordinator-cell",
+            "linewright-parameters",
         ],
     ),
     ("linewright-history", &["linewright-line", "linewright-coordinator-cell"]),
     ("linewright-msgs", &[]),
-    ("linewright-node-shell", &["linewright-msgs"]),
+    ("linewright-node-shell", &["linewright-msgs", "linewright-parameters"]),
     ("linewright-fieldbus-seam", &["linewright-line"]),
     ("linewright-canopen", &["linewright-line", "linewright-fieldbus-seam"]),
     ("linewright-modbus", &["linewright-line", "linewright-fieldbus-seam"]),
@@ -175,6 +179,7 @@ const MAY_USE: [(&str, &[&str]); 41] = [
             "linewright-line",
             "linewright-station-logic",
             "linewright-station-shell",
+            "linewright-parameters",
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-node-line",
@@ -195,6 +200,7 @@ const MAY_USE: [(&str, &[&str]); 41] = [
             // The planned times of a line, for the comparison in a report, are computed there.
             "linewright-simulation",
             "linewright-station-shell",
+            "linewright-parameters",
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-node-line",

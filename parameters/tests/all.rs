@@ -1,0 +1,5 @@
+//! Tests of the parameters of nodes.
+
+mod files;
+mod patterns;
+mod sets;
