@@ -82,12 +82,22 @@ impl Exploration {
         }
     }
 
-    /// Help below a failed property of a part of the line: the stations outside the part, and the option that explores the whole line. None
-    /// where no property of a part fails.
+    /// Leaves open what fails in a part of the line: a part has more freedom than the line, so it may be prevented by what was left out.
+    pub fn open_outside(&mut self) {
+        let is_part = !self.left_out.is_empty();
+        for property in self.properties.iter_mut().filter(|property| is_part && property.verdict == "fails") {
+            property.verdict = "undecided";
+            property.reason = format!("undecided: in this part {}", property.reason);
+        }
+    }
+
+    /// Help below a property that a part of the line left open by a counterexample: the stations outside the part, and what decides it. None
+    /// where there is no such property.
     pub fn outside_text(&self) -> Option<String> {
         /// More names are no help to read.
         const NAMES_MAX: usize = 8;
-        if self.left_out.is_empty() || !self.has("fails") {
+        let is_reached = self.properties.iter().any(|property| property.counterexample.is_some());
+        if self.left_out.is_empty() || !is_reached {
             return None;
         }
         let mut names = self.left_out.iter().take(NAMES_MAX).cloned().collect::<Vec<_>>().join(", ");
@@ -96,7 +106,7 @@ impl Exploration {
             names += &format!(" and {more} more");
         }
         Some(format!(
-            "this part leaves out {names}, and their arrows, which may prevent this in the line; `--whole` explores all of it"
+            "this part leaves out {names}, and their arrows, which may prevent this in the line: `--whole` explores all of it. Where that is too large, arrows straight between the stations of this part, which keep them apart, let it decide"
         ))
     }
 

@@ -30,6 +30,7 @@ impl<'a> Explorer<'a> {
         if what == PART {
             self.add_larger(line, each, (&mut found, &mut explored))?;
             larger::take_over(&mut found, &explored);
+            found.iter_mut().for_each(Exploration::open_outside);
         }
         Ok(found)
     }

@@ -181,10 +181,15 @@ fn pass_on(output: Option<ChildStdout>, to: &mpsc::Sender<String>) {
     });
 }
 
+/// The program that runs, also where its file has been replaced since: a node that is started again has to be of the version of the others.
+fn this_program() -> miette::Result<PathBuf> {
+    let file = std::env::current_exe().into_diagnostic().wrap_err("cannot find this program")?;
+    Ok(if file.exists() { file } else { PathBuf::from("/proc/self/exe") })
+}
+
 /// `reports`: its standard output is read, and not part of its log.
 fn spawn(args: &[String], log: &Path, buses: Option<&Path>, reports: bool) -> miette::Result<Child> {
-    let program = std::env::current_exe().into_diagnostic().wrap_err("cannot find this program")?;
-    let mut command = Command::new(program);
+    let mut command = Command::new(this_program()?);
     match File::options().create(true).append(true).open(log).and_then(|log| Ok((log.try_clone()?, log))) {
         Ok((out, err)) => command.stdout(out).stderr(err),
         Err(error) => {
