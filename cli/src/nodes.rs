@@ -166,8 +166,8 @@ pub fn parameters_of_coordinator(
     let set = started_with(line, ros, "coordinator", given)?;
     match (bus, set.text(CAN_INTERFACE.name)) {
         (Some(bus), Some(other)) if bus != other => Err(miette!(
-            help = "give one of them",
-            "the bus is '{bus}' by --bus, and '{other}' by the parameter {}",
+            help = "give it by --bus; the parameter sets it only for `linewright coordinator` without --bus",
+            "the bus is '{bus}' by --bus (vcan0 where `run` is not given one), and '{other}' by the parameter {}",
             CAN_INTERFACE.name
         )),
         _ => Ok(set),

@@ -89,7 +89,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         let leads_there = found.is_some_and(|found| found.plan.leads_to_auto());
         if let Some(searched) = newest.searching() {
             crate::out::complain!(
-                "no list within {} s: the states that it follows from have changed all the while. Look again; what changes shows: {}",
+                "no list within {} s: the states that it follows from keep changing, or the search takes longer. Try again; what changes is shown by {}",
                 searched.as_secs(),
                 typed_words(&["watch", &path].map(str::to_owned)),
             );

@@ -83,14 +83,14 @@ pub enum ArgsError {
     /// A value of a parameter that is no YAML.
     #[error("'{option} {value}': {why}")]
     Value { option: String, value: String, why: String },
-    /// A parameter file that cannot be had.
+    /// A parameter file that cannot be read.
     #[error("'--params-file {file}': {why}")]
     ParamsFile {
         file: String,
-        /// The operating system's words.
+        /// Reason, in the operating system's words where it gives one.
         why: String,
     },
-    /// What a parameter file has wrong.
+    /// Problems in a parameter file.
     #[error("{0:#}")]
     InParamsFile(Box<Problems>),
     /// Not a level.
@@ -117,7 +117,7 @@ const WITHOUT_EFFECT: &[(&str, bool)] = &[
 
 impl RosArgs {
     /// Splits `args` (without the program's name) into the ROS part, parsed, and the rest. `read` gives the text of a parameter
-    /// file, or the reason why it cannot be had.
+    /// file, or the reason why it cannot be read.
     pub fn parse(
         args: impl IntoIterator<Item = String>,
         var: impl Fn(&str) -> Option<String>,

@@ -39,10 +39,10 @@ const FLUSH_WITHIN: Duration = Duration::from_millis(500);
 /// Puts another filter into force.
 type Reload = Box<dyn Fn(EnvFilter) + Send + Sync>;
 
-/// For the filter in force, once logging has been started.
+/// Replaces the filter in force; set when logging is started.
 static RELOAD: OnceLock<Reload> = OnceLock::new();
 
-/// The filter of the environment, if it decides: there is one, and no level is given.
+/// The text of `RUST_LOG`, if it decides: it is not empty, and no level is given.
 fn filter_of_environment(level: Option<LogLevel>) -> Option<String> {
     std::env::var("RUST_LOG").ok().filter(|text| level.is_none() && !text.is_empty())
 }

@@ -26,8 +26,9 @@ pub const LOG_LEVEL: &str = "log_level";
 
 /// Requests of all services that wait; more wait in the middleware.
 const QUEUE: usize = 16;
-/// Most parameters that one request may name: many more than a node has.
-const ASKED_MAX: usize = 256;
+/// Most parameters that one request may name: more than a node has. An answer is longer than its request, and answers that no reader
+/// acknowledges are kept.
+const ASKED_MAX: usize = 32;
 /// Least time between two lines of the log about requests to set something.
 const LOGGED_EVERY: Duration = Duration::from_secs(1);
 
@@ -83,7 +84,7 @@ impl Parameters {
             unlogged: 0,
         };
         let first = served.values.borrow().iter().map(|(declared, value)| parameter(declared.name, value)).collect();
-        served.tell(ParameterEvent { new_parameters: first, ..ParameterEvent::default() });
+        served.publish(ParameterEvent { new_parameters: first, ..ParameterEvent::default() });
         tasks.push(Forward::spawn(async move {
             while let Some(asked) = from.recv().await {
                 served.answer(asked);
@@ -156,19 +157,24 @@ impl ServedParameters {
             }
             ParameterRequest::Set(parameters, reply) => {
                 let results = match too_many(parameters.len()) {
-                    Some(refused) => vec![refused; parameters.len()],
-                    None => parameters.into_iter().map(|parameter| self.set(vec![parameter])).collect(),
+                    Some(refused) => {
+                        // Each has a result; the reason once.
+                        let others = vec![SetParametersResult::default(); parameters.len() - 1];
+                        std::iter::once(refused).chain(others).collect()
+                    }
+                    None => self.set(parameters.iter().map(std::slice::from_ref)),
                 };
                 reply.send(SetParametersResponse { results });
             }
             ParameterRequest::SetAll(parameters, reply) => {
-                let result = too_many(parameters.len()).unwrap_or_else(|| self.set(parameters));
+                let result = too_many(parameters.len());
+                let result = result.or_else(|| self.set([&*parameters].into_iter()).pop()).unwrap_or_default();
                 reply.send(SetParametersAtomicallyResponse { result });
             }
         }
     }
 
-    /// What is asked of each name; nothing of too many, whose answer would be many times as long as the request.
+    /// The answer for each name; none where there are too many names, since the answer would be longer than the request.
     fn each<T>(&self, names: &[String], ask: impl Fn(&ParameterSet, &str) -> T) -> Vec<T> {
         if names.len() > ASKED_MAX {
             return Vec::new();
@@ -177,21 +183,30 @@ impl ServedParameters {
         names.iter().map(|name| ask(&set, name)).collect()
     }
 
-    /// Sets these, all or none.
-    fn set(&mut self, parameters: Vec<Parameter>) -> SetParametersResult {
-        let pairs: Vec<_> = parameters.iter().map(|asked| (asked.name.as_str(), value_of(&asked.value))).collect();
+    /// Sets groups of parameters, of each group all or none; a result for each. What changes is put into force and published once: a request
+    /// costs the node's loop no more than one change.
+    fn set<'p>(&mut self, groups: impl Iterator<Item = &'p [Parameter]>) -> Vec<SetParametersResult> {
+        let before = self.values.borrow().clone();
+        let results = groups.map(|group| self.set_group(group)).collect();
+        let changed: Vec<&'static str> = {
+            let now = self.values.borrow();
+            now.iter().filter(|(of, value)| before.get(of.name) != Some(value)).map(|(of, _)| of.name).collect()
+        };
+        if !changed.is_empty() {
+            self.changed(&changed);
+        }
+        results
+    }
+
+    fn set_group(&mut self, group: &[Parameter]) -> SetParametersResult {
+        let pairs: Vec<_> = group.iter().map(|asked| (asked.name.as_str(), value_of(&asked.value))).collect();
         let mut outcome = Ok(Vec::new());
         self.values.send_if_modified(|set| {
             outcome = set.set_all(pairs.iter().map(|(name, value)| (*name, value)));
             outcome.as_ref().is_ok_and(|changed| !changed.is_empty())
         });
         match outcome {
-            Ok(changed) => {
-                if !changed.is_empty() {
-                    self.tell_changed(&changed);
-                }
-                SetParametersResult { successful: true, reason: String::new() }
-            }
+            Ok(_) => SetParametersResult { successful: true, reason: String::new() },
             Err(refusal) => {
                 let reason = refusal.to_string();
                 self.log(|| format!("refused: {reason}"));
@@ -200,25 +215,29 @@ impl ServedParameters {
         }
     }
 
-    fn tell_changed(&mut self, changed: &[&'static str]) {
+    /// Puts a changed log level into force, and logs and publishes what has changed.
+    fn changed(&mut self, changed: &[&'static str]) {
         let set = self.values.borrow().clone();
-        if changed.contains(&LOG_LEVEL)
-            && let Some(level) = set.text(LOG_LEVEL).and_then(LogLevel::named)
-        {
-            set_log_level(level);
-        }
         let all: Vec<(&str, &ParameterValue)> =
             changed.iter().filter_map(|name| set.get(name).map(|value| (*name, value))).collect();
+        let level = set.text(LOG_LEVEL).filter(|_| changed.contains(&LOG_LEVEL)).and_then(LogLevel::named);
+        if level.is_some() {
+            // From when on less is logged, the log shows in any case.
+            self.logged = None;
+        }
         self.log(|| all.iter().map(|(name, value)| format!("{name} is {value} now")).collect::<Vec<_>>().join(", "));
+        if let Some(level) = level {
+            set_log_level(level);
+        }
         let changed_parameters = all.into_iter().map(|(name, value)| parameter(name, value)).collect();
-        self.tell(ParameterEvent { changed_parameters, ..ParameterEvent::default() });
+        self.publish(ParameterEvent { changed_parameters, ..ParameterEvent::default() });
     }
 
-    fn tell(&self, event: ParameterEvent) {
+    fn publish(&self, event: ParameterEvent) {
         self.events.send(ParameterEvent { stamp: stamp().stamp, node: self.node.clone(), ..event });
     }
 
-    /// Whoever sends requests must not fill a disk.
+    /// Logs a line, at most one in [`LOGGED_EVERY`], so that requests cannot fill a disk.
     fn log(&mut self, text: impl FnOnce() -> String) {
         if self.logged.is_some_and(|logged| logged.elapsed() < LOGGED_EVERY) {
             self.unlogged += 1;

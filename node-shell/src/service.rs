@@ -16,6 +16,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use linewright_msgs::{RosMessage, RosService};
@@ -120,7 +121,12 @@ impl<S: RosService> ServiceReply<S> {
         let ServiceReply { server, to, header, held, .. } = self;
         let send = move || {
             if let Err(error) = server.send_response(to, RawResponse { header, body: response }) {
-                tracing::warn!("{}/{}: answer not sent: {error}", S::PACKAGE, S::NAME);
+                /// Of all services of the process: requests must not fill a disk.
+                static UNSENT: AtomicU64 = AtomicU64::new(0);
+                let unsent = UNSENT.fetch_add(1, Ordering::Relaxed) + 1;
+                if unsent.is_power_of_two() {
+                    tracing::warn!(unsent, "{}/{}: answer not sent: {error}", S::PACKAGE, S::NAME);
+                }
             }
         };
         match tokio::runtime::Handle::try_current() {

@@ -15,7 +15,7 @@ pub struct Argument {
     pub value: ParameterValue,
 }
 
-/// Source of values.
+/// File or argument that sets parameters before a node runs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Override {
     File(ParameterFile),
@@ -46,8 +46,8 @@ pub enum OverrideError {
 }
 
 /// Puts the values for the node with this absolute name into its parameters: in the order given, so that the last one counts.
-/// What names the node exactly must be one of its parameters. What is for several nodes may also be a parameter of others,
-/// `known`. Returns warnings.
+/// A value for exactly this node must be for one of its parameters; a value for several nodes may also be for a parameter of
+/// other nodes: `known` has the names of all. Returns warnings.
 ///
 /// # Errors
 /// When a value is not taken: unknown, of another type, out of bounds, or set elsewhere. All such places of the first file that has

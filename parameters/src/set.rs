@@ -56,7 +56,7 @@ impl ParameterValueShape {
     }
 }
 
-/// The slip that is made most often.
+/// How to write a whole number where a double is expected; empty otherwise.
 fn advice(expected: ParameterType, found: &ParameterValueShape) -> String {
     match (expected, found.whole) {
         (ParameterType::Double, Some(whole)) => format!("; write {whole}.0"),

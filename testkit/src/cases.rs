@@ -1,9 +1,8 @@
-//! How many cases a generated test tries.
+//! Number of cases of a generated test.
 
-/// `usual`, times the percentage in the environment variable `LINEWRIGHT_CASES`; at least one.
-///
-/// A build that is waited for tries fewer than `usual` (`cargo xtask test`), a long run more (`cargo xtask test --long`).
-pub fn cases(usual: u64) -> u64 {
+/// `stated` times the percentage in the environment variable `LINEWRIGHT_CASES`, 100 where it is not given; at least one. `cargo xtask test`
+/// sets 25, `cargo xtask test --long` 400.
+pub fn cases(stated: u64) -> u64 {
     let percent = std::env::var("LINEWRIGHT_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(100);
-    usual.saturating_mul(percent).div_ceil(100).max(1)
+    stated.saturating_mul(percent).div_ceil(100).max(1)
 }

@@ -288,8 +288,9 @@ fn node_of(device: &Device) -> NodeId {
 /// A cycle of the shipped line, in ms.
 const CYCLE: u64 = 3560;
 
-/// Moments of a cycle, in ms: `first`, and from there on every so many; more or fewer with [`cases`].
+/// Moments of a cycle, in ms: `first`, and from there on about every so many, so that the cycle is divided evenly; more or fewer with
+/// [`cases`].
 pub fn moments(first: u64, every: u64) -> impl Iterator<Item = u64> {
-    let step = CYCLE.div_ceil(cases(CYCLE / every));
+    let step = CYCLE.div_ceil(cases(CYCLE.div_ceil(every)));
     (first % step..CYCLE).step_by(step as usize)
 }

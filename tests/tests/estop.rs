@@ -57,7 +57,7 @@ fn stop_and_come_back(moment: Duration, by_wire: bool) {
     sim.makes_each_part_once(4);
 }
 
-/// Every 60 ms and every 90 ms; with `LINEWRIGHT_CASES=300` every 20 ms and every 30 ms.
+/// About every 60 ms and every 90 ms; with `LINEWRIGHT_CASES=300` every 20 ms and every 30 ms.
 #[test]
 fn at_every_moment_of_a_cycle_by_message_and_by_wire() {
     for (first, every, by_wire) in [(0, 60, false), (10, 90, true)] {

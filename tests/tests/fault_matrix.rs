@@ -152,7 +152,7 @@ fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationI
     sim.goes_on(&lives);
 }
 
-/// Every 720 ms; with `LINEWRIGHT_CASES=300` every 240 ms.
+/// About every 720 ms; with `LINEWRIGHT_CASES=300` every 240 ms.
 fn all_through_the_cycle(of: &[Case]) {
     let line = line();
     let mut played = 0;

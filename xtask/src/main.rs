@@ -21,8 +21,7 @@ usage: cargo xtask COMMAND
   test [--quick]     format, house rules, spelling, lints, all tests, documentation; ends with `N passed, N failed`
                      --quick: of the tests only short ones that need no socket, process or clock; no documentation
                      fetches first what tests need of the machine: CAN sockets, foreign stacks (see set-up)
-  test --long        what computes for minutes alone, with sixteen times the generated cases, optimised; LINEWRIGHT_CASES is the
-                     percentage of what each test states
+  test --long        the long tests alone, optimised, with four times the cases that each states; LINEWRIGHT_CASES is that in percent
   set-up             that alone: Debian packages, as root; Python packages, below the target directory
   tidy               the house rules alone
   bench [FILTER]...  every benchmark; what follows goes to the benchmarks

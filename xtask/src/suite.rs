@@ -202,6 +202,10 @@ fn test_programs(root: &Path, tally: &mut TestTally, more: &[&str]) -> Vec<TestP
     let args = ["test", "--workspace", "--no-run", "--quiet", "--message-format=json-render-diagnostics"];
     let mut command = cargo(root, &args);
     command.args(more);
+    // What is optimised for long tests is checked as in the others.
+    for check in ["DEBUG_ASSERTIONS", "OVERFLOW_CHECKS"] {
+        command.env(format!("CARGO_PROFILE_RELEASE_{check}"), "true");
+    }
     let ended = lines(command, |stream, line| match stream {
         Stream::Out => programs.extend(TestProgram::of(line)),
         Stream::Err => println!("{line}"),

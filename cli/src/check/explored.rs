@@ -3,6 +3,9 @@
 use linewright_proof::explore::{LineExplored, LinePath, LineProperty, Verdict};
 use serde::Serialize;
 
+/// Before the reason of what fails in a part of the line.
+const LEFT_OPEN: &str = "undecided: in this part ";
+
 /// One exploration, for people and programs.
 #[derive(Debug, Serialize)]
 pub struct Exploration {
@@ -87,7 +90,7 @@ impl Exploration {
         let is_part = !self.left_out.is_empty();
         for property in self.properties.iter_mut().filter(|property| is_part && property.verdict == "fails") {
             property.verdict = "undecided";
-            property.reason = format!("undecided: in this part {}", property.reason);
+            property.reason = format!("{LEFT_OPEN}{}", property.reason);
         }
     }
 
@@ -96,8 +99,7 @@ impl Exploration {
     pub fn outside_text(&self) -> Option<String> {
         /// More names are no help to read.
         const NAMES_MAX: usize = 8;
-        let is_reached = self.properties.iter().any(|property| property.counterexample.is_some());
-        if self.left_out.is_empty() || !is_reached {
+        if self.left_out.is_empty() || !self.properties.iter().any(LineFinding::is_left_open) {
             return None;
         }
         let mut names = self.left_out.iter().take(NAMES_MAX).cloned().collect::<Vec<_>>().join(", ");
@@ -106,7 +108,7 @@ impl Exploration {
             names += &format!(" and {more} more");
         }
         Some(format!(
-            "this part leaves out {names}, and their arrows, which may prevent this in the line: `--whole` explores all of it. Where that is too large, arrows straight between the stations of this part, which keep them apart, let it decide"
+            "this part leaves out {names}, and their arrows, which may prevent this in the line: `--whole` explores all of it. Where the line is too large for that, add arrows directly between the stations of this part that keep them apart: they count in it"
         ))
     }
 
@@ -135,6 +137,11 @@ impl Exploration {
 }
 
 impl LineFinding {
+    /// It fails in a part of the line.
+    fn is_left_open(&self) -> bool {
+        self.verdict == "undecided" && self.reason.starts_with(LEFT_OPEN)
+    }
+
     /// It is not decided to hold, and larger parts may decide that.
     pub fn is_open_by_parts(&self) -> bool {
         self.holds_by_parts && matches!(self.verdict, "fails" | "undecided")

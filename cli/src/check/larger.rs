@@ -42,7 +42,9 @@ pub fn take_over(found: &mut [Exploration], parts: &[PartFound]) {
             }
             // Its search ended with what the larger part excludes; what it had not seen by then is nothing that parts decide.
             let properties = &mut found[index].properties;
-            if is_settled && !properties.iter().any(|finding| finding.verdict == "fails") {
+            // What is reached in it stays, also where an inner part has left it open.
+            let is_reached = |of: &LineFinding| of.verdict == "fails" || of.counterexample.is_some();
+            if is_settled && !properties.iter().any(is_reached) {
                 properties.retain(|finding| finding.verdict != "undecided");
             }
         }

@@ -129,7 +129,7 @@ impl RunTally {
     }
 
     /// The faults of each station, each with how often it came; without what to do about it where it stands no more, by the states now.
-    /// Together they are [`RunTally::faults`].
+    /// The counts add up to [`RunTally::faults`].
     pub fn fault_texts<'s>(&self, now: impl Iterator<Item = Option<&'s StationState>>) -> Vec<String> {
         let stations = self.line.stations.iter().zip(&self.stations).zip(now);
         let all = stations.flat_map(|((station, tally), state)| {
@@ -144,7 +144,8 @@ impl RunTally {
                 let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join(", ")) };
                 format!("{name} {text}{notes}")
             };
-            let others = (listed < tally.faults).then(|| format!("{name} {} others", tally.faults - listed));
+            let others =
+                (listed < tally.faults).then(|| format!("{name} {} faults before these", tally.faults - listed));
             let last = tally.fault_texts.len().saturating_sub(1);
             // Those before the last one do not stand any more.
             let of_station =
@@ -331,7 +332,7 @@ mod tests {
 
     /// The report begins with how many there were: those that are named are as many.
     #[test]
-    fn all_faults_of_a_run_are_named_each_with_how_often_it_came() {
+    fn the_last_faults_of_a_station_are_named_and_the_others_counted() {
         let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
         let mut tally = RunTally::new(&line);
         let mut fault = |station: u16, text: &str| {
@@ -355,7 +356,7 @@ mod tests {
             tally.event(StationId(0), &event);
         }
         let all = tally.fault_texts(now());
-        assert_eq!((all.len(), all[0].clone()), (FAULTS_LISTED + 2, format!("{first} 38 others")));
+        assert_eq!((all.len(), all[0].clone()), (FAULTS_LISTED + 2, format!("{first} 38 faults before these")));
     }
 
     /// One station, its operations done so often, in a round.

@@ -34,7 +34,7 @@ use crate::resume::ResumeButton;
 struct StationEntry {
     heard: StationView,
     known_until: Tick,
-    /// Its devices have been operational in this life of it.
+    /// Its devices have been operational since it, or the coordinator, was started.
     had_devices: bool,
     /// Came up anew while the line was in auto or hand, and no operator has acknowledged it since.
     restarted: bool,

@@ -97,7 +97,7 @@ fn a_node_shows_what_it_was_started_with() {
     assert!(
         set.iter().all(|(declared, value)| known.contains(&declared.name) && value.kind() == declared.domain.kind())
     );
-    // A first value that nobody may set again would not be loaded from a dump.
+    // A first value that is refused when it is set again could not be loaded from a dump.
     let same = |(declared, value): (&Declaration, &ParameterValue)| set.clone().set(declared.name, value) == Ok(false);
     assert!(set.iter().all(same));
 }

@@ -85,6 +85,26 @@ fn a_part_sensor_that_nothing_reads_is_reported() {
     assert!(of(&without(C1, "presence = \"part_in_hand\""), &c1).is_empty());
 }
 
+/// A task is added, and reaches where others do that a conflict keeps apart from what the machine does.
+#[test]
+fn a_task_that_reaches_where_others_are_kept_apart_is_reported() {
+    let [cell, line] = [
+        include_str!("../../../cli/src/new/washing-cell/cell.toml"),
+        include_str!("../../../cli/src/new/washing-cell/line.toml"),
+    ];
+    assert_eq!(problems(cell, Some(&line_of(line))), []);
+    let of_load = "a = { station = \"robot\", task = \"{load}\" }";
+    assert!(line.contains(of_load));
+    let line = line_of(&line.replace(of_load, "a = { station = \"robot\", task = \"{unload}\" }"));
+    let found: Vec<String> = problems(cell, Some(&line)).into_iter().map(|of| of.message).collect();
+    let missing = |task: &str, machine: &str| {
+        format!(
+            "`{task}` of `robot` reaches into `{machine}`, and no `[[conflict]]` keeps it apart from `run` of `{machine}`"
+        )
+    };
+    assert_eq!(found, [missing("load washer", "washer"), missing("washer to dryer", "dryer")]);
+}
+
 /// C1 as it was: the fixture of a machine whose part was taken away opens only for a part.
 #[test]
 fn a_machine_that_nothing_opens_without_a_part_is_reported() {

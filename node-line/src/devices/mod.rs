@@ -22,11 +22,11 @@ pub use services::DeviceServiceRequest;
 use services::PendingTransfer;
 pub use trouble::{DeviceDiagnosticsTopic, TROUBLE_BYTES_MAX, cause, in_words, since_start};
 
-/// Period of full reports when nothing changes, unless it is set.
+/// Period of full reports when nothing changes, until [`Devices::report_every`] sets another one; and of texts of trouble.
 const EVERY: Duration = Duration::from_secs(1);
 /// Least time between two reports of news: a device that comes and goes must not flood a reliable topic.
 const NEWS_EVERY: Duration = Duration::from_millis(50);
-/// Most states of one device published at once within such a period; after that, only the newest every [`NEWS_EVERY`].
+/// Most states of one device published at once; after that, only the newest every [`NEWS_EVERY`], until a period of full reports has passed without news.
 const STATES_MAX: u32 = 20;
 /// Requests that wait for this node; more wait in the middleware, ten for each service.
 const QUEUE: usize = 64;

@@ -6,7 +6,7 @@
 //! of ROS 2 performs them with sockets and files, a simulation in memory; neither has rules of its own.
 //!
 //! [`NewestBySequence`] is here for every reader of whole-state messages, [`Rivals`] for those of the coordinator's order,
-//! [`HeldByOne`] for those of held buttons. [`parameters`] are declared here, of every node.
+//! [`HeldByOne`] for those of held buttons. [`parameters`] declares those of every node.
 
 mod effect;
 mod held;

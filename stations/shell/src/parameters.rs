@@ -1,6 +1,6 @@
 //! The ROS 2 parameters of a station's node, and those that every node of a line has.
 //!
-//! A parameter may be changed while the node runs only if no check rests on it: a request is an order of no one, arrives in any mode,
+//! A parameter may be changed while the node runs only if no check rests on it: a request may come from any node, arrives in any mode,
 //! and is not agreed with the other nodes. Ages, leases and heartbeats follow from the description, which all nodes compare by its
 //! fingerprint, so they are read-only.
 

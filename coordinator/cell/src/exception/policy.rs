@@ -78,7 +78,7 @@ pub struct RestTask {
 /// An input that a task waits for in one of its operations.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AwaitedInput {
-    /// Code of an order whose time was over for it.
+    /// Code with which an order ends when the input is not on in time.
     pub code: u16,
     /// Its bit in the station's image.
     pub bit: u128,

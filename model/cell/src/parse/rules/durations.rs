@@ -9,9 +9,9 @@ use super::orders::times;
 use crate::ParameterSource;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 
-/// Part of a time by which the two may differ.
+/// Largest difference that is not reported, as a part of the longer time.
 const TOLERANCE: f64 = 0.1;
-/// Difference that is none, however short the time: 0.1 s.
+/// Largest difference that is not reported, however short the times.
 const LEAST: Duration = Duration::from_millis(100);
 
 /// What the chart says of a task: its operations, one after the other.
@@ -40,7 +40,7 @@ impl ChartedTask<'_> {
 }
 
 /// What the stations of an activity take by their charts: at least the longest of their tasks, and at most all of them one after the other
-/// where they wait for each other. A `time_s` outside of that plans with another cell than the one that is described. Where a step gives a
+/// where they wait for each other. With a `time_s` outside of that, plans are made for another cell than the one described. Where a step gives a
 /// program its time is the program's. A task that is done for several steps has one duration, around which their times may lie.
 pub(super) fn times_are_those_of_the_charts(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
     let is_programmed =

@@ -3,6 +3,7 @@
 //! Every rule reads the whole draft and reports on its own; where a part is missing because it could not be read or
 //! resolved, a rule passes over it in silence, since the reason has been reported already.
 
+mod apart;
 mod dispatch;
 mod durations;
 mod exceptions;
@@ -48,6 +49,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
     }
     orders::stations_exist(draft, report);
     tasks::orders_fit_their_tasks(draft, report);
+    apart::tasks_that_reach_alike_are_kept_apart(draft, report);
     draft.activities.iter().for_each(|activity| durations::times_are_those_of_the_charts(draft, activity, report));
     rests::machines_come_from_rest_to_rest(draft, report);
     for part in draft.parts.iter().filter(|part| part.variant.is_none()) {

@@ -73,8 +73,7 @@ pub(super) fn presence_is_an_input(draft: &DraftCell<'_>, resource: &DraftResour
     }
 }
 
-/// A sensor that sees a part where the resource has it, and that neither an operation nor the cell reads: a part that is missing there, or
-/// too many, shows only when something else does not come. Of hands [`linewright_line`] warns.
+/// A sensor that sees a part where the resource has it, and that neither an operation nor the cell reads: a part that is missing there is noticed only by what does not come later. The rules of the line warn of hands.
 pub(super) fn part_sensors_are_looked_at(draft: &DraftCell<'_>, resource: &DraftResource<'_>, report: &mut Report) {
     let (Some(line), Some(station), None) = (draft.line, &resource.raw.station, &resource.raw.presence) else { return };
     let Some(id) = line.station_named(&station.value) else { return };
