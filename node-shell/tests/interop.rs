@@ -199,8 +199,7 @@ async fn parameters_are_asked_for_and_set() {
         "all False rate_s is a double, and not an integer; write 3.0",
         "all True ",
         "get [(3, 3.0, ''), (4, 0.0, 'slow'), (0, 0.0, '')]",
-        "event /line/drill [('rate_s', 2.5)]",
-        "event /line/drill [('mode', 'fast')]",
+        "event /line/drill [('mode', 'fast'), ('rate_s', 2.5)]",
         "event /line/drill [('mode', 'slow'), ('rate_s', 3.0)]",
     ];
     assert_eq!(said.lines().collect::<Vec<_>>(), expected);
