@@ -52,10 +52,10 @@ pub enum CellMutant {
 
 /// Broken rules of cells, with the first seed that finds each.
 pub const CELL_MUTANTS: &[(CellMutant, u64)] = &[
-    (CellMutant::SyncedRecordsLost, 3),
-    (CellMutant::NotSynchronised, 1),
-    (CellMutant::ForgottenUnseen, 12),
-    (CellMutant::AlarmAnsweredEarly, 154),
+    (CellMutant::SyncedRecordsLost, 0),
+    (CellMutant::NotSynchronised, 0),
+    (CellMutant::ForgottenUnseen, 744),
+    (CellMutant::AlarmAnsweredEarly, 336),
     (CellMutant::RepeatedRequestIsNew, 0),
 ];
 
