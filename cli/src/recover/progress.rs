@@ -15,14 +15,20 @@ pub fn newly_done(line: &Line, before: &RecoveryPlan, now: &RecoveryPlan) -> Vec
     let steps = |plan: &RecoveryPlan| -> Vec<RecoveryStep> {
         plan.steps.iter().filter(|step| !is_wait(step)).cloned().collect()
     };
-    let actions =
-        |steps: &[RecoveryStep]| steps.iter().map(|step| step.action.clone()).collect::<Vec<RecoveryAction>>();
-    let old = steps(before);
-    let (was, is) = (actions(&old), actions(&steps(now)));
-    if is.len() >= was.len() || !was.ends_with(&is) {
+    let (was, is) = (steps(before), steps(now));
+    let Some(done) = was.len().checked_sub(is.len()).filter(|done| *done > 0) else { return Vec::new() };
+    if !was[done..].iter().zip(&is).all(|(was, is)| is_same(&was.action, &is.action)) {
         return Vec::new();
     }
-    old[..was.len() - is.len()].iter().map(|step| step.text(line)).collect()
+    was[..done].iter().map(|step| step.text(line)).collect()
+}
+
+/// Whether two actions are the same thing to do. The text of an alarm changes with what is done for it, as when a station has come to rest.
+fn is_same(was: &RecoveryAction, is: &RecoveryAction) -> bool {
+    match (was, is) {
+        (RecoveryAction::First(Need::Answer(was)), RecoveryAction::First(Need::Answer(is))) => was.id == is.id,
+        _ => was == is,
+    }
 }
 
 /// Failures of the press that stays the first step of a plan.
@@ -80,7 +86,7 @@ mod tests {
     use linewright_coordinator_logic::ModeCommand;
     use linewright_line::net::{ControlMode, StationPlace};
     use linewright_line::{InputId, OpId};
-    use linewright_recovery::{PanelButton, RecoveryEnd};
+    use linewright_recovery::{PanelButton, RecoveryEnd, StandingAlarm};
 
     use super::*;
 
@@ -118,6 +124,24 @@ mod tests {
         assert_eq!(done, [press().text(&line)]);
         let other = plan(vec![moves(1), press(), auto()]);
         assert!(newly_done(&line, &other, &before).is_empty());
+        // The press has led the station to a rest, which the alarm says now.
+        let alarm = |id, text: &str| {
+            let text = text.to_owned();
+            let alarm = StandingAlarm {
+                id,
+                text,
+                answers: Vec::new(),
+                lead: Vec::new(),
+                reset: Vec::new(),
+                at_order: Vec::new(),
+                end: None,
+                bring: None,
+            };
+            step(RecoveryAction::First(Need::Answer(alarm)), Vec::new(), ControlMode::Manual)
+        };
+        let before = plan(vec![press(), alarm(3, "First lead m1 to a rest."), auto()]);
+        assert_eq!(newly_done(&line, &before, &plan(vec![alarm(3, "m1 is at rest."), auto()])), done);
+        assert!(newly_done(&line, &before, &plan(vec![alarm(4, "m1 is at rest."), auto()])).is_empty());
     }
 
     fn signal() -> RecoveryStep {
