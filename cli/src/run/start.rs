@@ -7,7 +7,8 @@ use linewright_cell::Cell;
 use linewright_fieldbus::BusOptions;
 use linewright_line::Line;
 use linewright_node_shell::RosArgs;
-use miette::{IntoDiagnostic, miette};
+use linewright_parameters::Override;
+use miette::{Context, IntoDiagnostic, miette};
 
 use super::Args;
 use super::children::Children;
@@ -90,11 +91,12 @@ pub async fn start_all(
     // Nodes find the descriptions as this command does.
     let description = args.line.canonicalize().into_diagnostic()?.display().to_string();
     let state = dir.display().to_string();
+    let ros_args = forwarded_ros_args(std::env::args(), kept_files(ros, dir)?);
     let words = |more: &[&str]| -> Vec<String> {
         let mut words: Vec<String> = more.iter().map(|word| (*word).to_owned()).collect();
         words.extend(["--end-with-stdin".to_owned(), description.clone()]);
         words.extend(virtual_bus.then(|| "--virtual-bus".to_owned()));
-        words.extend(forwarded_ros_args());
+        words.extend(ros_args.iter().cloned());
         words
     };
     if !args.no_plant {
@@ -117,13 +119,45 @@ pub async fn start_all(
     Ok(())
 }
 
-/// The ROS arguments this process was given, for the nodes it starts.
-fn forwarded_ros_args() -> Vec<String> {
-    let mut inside = false;
-    let is_ros = |argument: &String| {
+/// Copies of the parameter files as they were checked, in the order given: a node that is started again reads the same, whatever has become
+/// of the file.
+fn kept_files(ros: &RosArgs, dir: &Path) -> miette::Result<Vec<String>> {
+    let texts = ros.params.iter().filter_map(|given| match given {
+        Override::File(file) => Some(file.text()),
+        Override::Argument(_) => None,
+    });
+    let keep = |(nth, text): (usize, &str)| {
+        let copy = dir.join(format!("parameters-{nth}.yaml"));
+        let what = || format!("cannot keep a copy of a parameter file in {}", copy.display());
+        std::fs::write(&copy, text).into_diagnostic().wrap_err_with(what)?;
+        Ok(copy.display().to_string())
+    };
+    texts.enumerate().map(keep).collect()
+}
+
+/// The ROS arguments among these, for the nodes that are started, with `files` in place of the parameter files.
+fn forwarded_ros_args(arguments: impl Iterator<Item = String>, files: Vec<String>) -> Vec<String> {
+    let (mut inside, mut files, mut is_file) = (false, files.into_iter(), false);
+    let forwarded = |argument: String| {
         inside = (inside && argument != "--") || argument == "--ros-args";
-        inside
+        let argument = if is_file { files.next().unwrap_or(argument) } else { argument };
+        is_file = inside && argument == "--params-file";
+        inside.then_some(argument)
     };
     // Each stretch begins anew with --ros-args, so that it need not be ended.
-    std::env::args().filter(is_ros).collect()
+    arguments.filter_map(forwarded).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_have_the_ros_arguments_with_copies_of_the_files() {
+        let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        let given = "run c --params-file x --ros-args --params-file a.yaml -p k:=1 --params-file b.yaml -- --json --ros-args -r __ns:=/h";
+        let found = forwarded_ros_args(words(given).into_iter(), words("0.yaml 1.yaml"));
+        let expected = "--ros-args --params-file 0.yaml -p k:=1 --params-file 1.yaml --ros-args -r __ns:=/h";
+        assert_eq!(found, words(expected));
+    }
 }

@@ -54,6 +54,11 @@ pub struct ParameterFile {
 }
 
 impl ParameterFile {
+    /// The text that was read.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// Reads the text of a file; `name` is for messages.
     ///
     /// # Errors
