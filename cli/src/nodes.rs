@@ -10,7 +10,7 @@ use linewright_coordinator_shell::parameters::{CAN_INTERFACE, coordinator_parame
 use linewright_fieldbus::{BusOptions, Clock, Transport, place};
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_node_shell::{
-    Claim, ClaimError, LOG_LEVEL, LogLevel, Participant, RosArgs, level_at_start, set_log_level,
+    Claim, ClaimError, LOG_LEVEL_NAME, LogLevel, Participant, RosArgs, level_at_start, set_log_level,
 };
 use linewright_parameters::{OverrideError, ParameterSet, apply};
 use linewright_station_shell::parameters::station_parameters;
@@ -187,7 +187,7 @@ fn started_with(line: &Line, ros: &RosArgs, name: &str, mut set: ParameterSet) -
 
 /// Puts the log level of a parameter into force, unless it is the one that the process has been started with.
 fn follow_log_level(set: &ParameterSet, ros: &RosArgs) {
-    let name = set.text(LOG_LEVEL).filter(|name| *name != level_at_start(ros.log_level));
+    let name = set.text(LOG_LEVEL_NAME).filter(|name| *name != level_at_start(ros.log_level));
     if let Some(level) = name.and_then(LogLevel::named) {
         set_log_level(level);
     }

@@ -6,7 +6,8 @@
 use libfuzzer_sys::fuzz_target;
 use linewright_fuzz::draw_foreign;
 use linewright_parameters::{
-    Change, Declaration, Domain, OverrideError, ParameterFile, ParameterSet, ParameterValue, apply, argument_value,
+    Declaration, OverrideError, ParameterChange, ParameterDomain, ParameterFile, ParameterSet, ParameterValue, apply,
+    argument_value,
 };
 
 /// No drawing of the most problems that are kept is longer.
@@ -14,8 +15,8 @@ const DRAWN_MAX: usize = 4_000_000;
 
 const PERIOD: Declaration = Declaration {
     name: "report.period_s",
-    domain: Domain::Double { from: 0.5, to: 10.0 },
-    change: Change::Live,
+    domain: ParameterDomain::Double { from: 0.5, to: 10.0 },
+    change: ParameterChange::Live,
     description: "Period of reports, in s.",
 };
 

@@ -44,7 +44,7 @@ pub use identity::{boot_id, fresh_boot_id, fresh_key, stamp};
 pub use journal::{Journal, JournalError};
 pub use logging::{LoggingError, flush_stderr, init as init_logging, level_at_start, set_log_level, stderr_line};
 pub use pace::{MessagePace, forward_present, forward_timely};
-pub use parameters::{LOG_LEVEL, Parameters};
+pub use parameters::{LOG_LEVEL_NAME, Parameters};
 pub use participant::{OpenError, Participant, RosNode, TopicError};
 pub use publisher::{Publisher, SendError};
 pub use recorder::JournalWriter;

@@ -2,7 +2,7 @@
 //!
 //! One task of its own answers the six services of a node, one request after the other: of two that set the same parameter the later
 //! one counts, and none is seen half done. What may be set is decided by [`ParameterSet`]. A changed value is in force when the
-//! answer is sent as far as this crate knows it ([`LOG_LEVEL`]); the others are given to the node's loop
+//! answer is sent as far as this crate knows it ([`LOG_LEVEL_NAME`]); the others are given to the node's loop
 //! ([`Parameters::changed`]). A request is never taken as an order: no parameter that may be changed is one that a check rests on.
 
 use linewright_msgs::{
@@ -12,7 +12,7 @@ use linewright_msgs::{
     ParameterValue as ValueMessage, RosService, SetParameters, SetParametersAtomically,
     SetParametersAtomicallyResponse, SetParametersResponse, SetParametersResult,
 };
-use linewright_parameters::{Domain, ParameterSet, ParameterType, ParameterValue};
+use linewright_parameters::{ParameterDomain, ParameterSet, ParameterType, ParameterValue};
 use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, watch};
 
@@ -22,7 +22,7 @@ use crate::subscription::Forward;
 use crate::{LogLevel, Publisher, RosNode, TopicError, names, qos, stamp};
 
 /// Name of the parameter with the log level of the process; its values are those of `--log-level`.
-pub const LOG_LEVEL: &str = "log_level";
+pub const LOG_LEVEL_NAME: &str = "log_level";
 
 /// Requests of all services that wait; more wait in the middleware.
 const QUEUE: usize = 16;
@@ -220,7 +220,7 @@ impl ServedParameters {
         let set = self.values.borrow().clone();
         let all: Vec<(&str, &ParameterValue)> =
             changed.iter().filter_map(|name| set.get(name).map(|value| (*name, value))).collect();
-        let level = set.text(LOG_LEVEL).filter(|_| changed.contains(&LOG_LEVEL)).and_then(LogLevel::named);
+        let level = set.text(LOG_LEVEL_NAME).filter(|_| changed.contains(&LOG_LEVEL_NAME)).and_then(LogLevel::named);
         if level.is_some() {
             // From when on less is logged, the log shows in any case.
             self.logged = None;
@@ -269,15 +269,15 @@ fn descriptor(set: &ParameterSet, name: &str) -> ParameterDescriptor {
     };
     match declared.domain {
         // One element is within their bound.
-        Domain::Integer { from: from_value, to: to_value } => {
+        ParameterDomain::Integer { from: from_value, to: to_value } => {
             message.integer_range =
                 Bounded::new(vec![IntegerRange { from_value, to_value, step: 0 }]).unwrap_or_default();
         }
-        Domain::Double { from: from_value, to: to_value } => {
+        ParameterDomain::Double { from: from_value, to: to_value } => {
             let range = FloatingPointRange { from_value, to_value, step: 0.0 };
             message.floating_point_range = Bounded::new(vec![range]).unwrap_or_default();
         }
-        Domain::Bool | Domain::Text | Domain::OneOf(_) => {}
+        ParameterDomain::Bool | ParameterDomain::Text | ParameterDomain::OneOf(_) => {}
     }
     message
 }

@@ -8,21 +8,25 @@ use linewright_msgs::{
     SetParametersAtomically, SetParametersAtomicallyRequest, SetParametersRequest, SetParametersResult,
 };
 use linewright_node_shell::{Caller, Mapping, Parameters, Participant, RosArgs, RosNode, qos};
-use linewright_parameters::{Change, Declaration, Domain, ParameterSet, ParameterValue};
+use linewright_parameters::{Declaration, ParameterChange, ParameterDomain, ParameterSet, ParameterValue};
 use tokio::time::{sleep, timeout};
 
 pub const RATE: Declaration = Declaration {
     name: "rate_s",
-    domain: Domain::Double { from: 0.5, to: 10.0 },
-    change: Change::Live,
+    domain: ParameterDomain::Double { from: 0.5, to: 10.0 },
+    change: ParameterChange::Live,
     description: "How often.",
 };
-pub const MODE: Declaration =
-    Declaration { name: "mode", domain: Domain::OneOf(&["slow", "fast"]), change: Change::Live, description: "How." };
+pub const MODE: Declaration = Declaration {
+    name: "mode",
+    domain: ParameterDomain::OneOf(&["slow", "fast"]),
+    change: ParameterChange::Live,
+    description: "How.",
+};
 pub const FIXED: Declaration = Declaration {
     name: "fixed",
-    domain: Domain::Text,
-    change: Change::Elsewhere("the description"),
+    domain: ParameterDomain::Text,
+    change: ParameterChange::Elsewhere("the description"),
     description: "What.",
 };
 

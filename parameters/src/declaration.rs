@@ -6,7 +6,7 @@ use crate::ParameterType;
 
 /// Values that a parameter may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Domain {
+pub enum ParameterDomain {
     Bool,
     /// Whole numbers, the bounds included.
     Integer {
@@ -24,33 +24,33 @@ pub enum Domain {
     OneOf(&'static [&'static str]),
 }
 
-impl Domain {
+impl ParameterDomain {
     /// Type of the values.
     pub fn kind(self) -> ParameterType {
         match self {
-            Domain::Bool => ParameterType::Bool,
-            Domain::Integer { .. } => ParameterType::Integer,
-            Domain::Double { .. } => ParameterType::Double,
-            Domain::Text | Domain::OneOf(_) => ParameterType::Text,
+            ParameterDomain::Bool => ParameterType::Bool,
+            ParameterDomain::Integer { .. } => ParameterType::Integer,
+            ParameterDomain::Double { .. } => ParameterType::Double,
+            ParameterDomain::Text | ParameterDomain::OneOf(_) => ParameterType::Text,
         }
     }
 }
 
 /// The values in words, after "is"; empty where the type says it all.
-impl fmt::Display for Domain {
+impl fmt::Display for ParameterDomain {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Domain::Bool | Domain::Text => Ok(()),
-            Domain::Integer { from, to } => write!(f, "from {from} to {to}"),
-            Domain::Double { from, to } => write!(f, "from {from:?} to {to:?}"),
-            Domain::OneOf(words) => write!(f, "one of {}", words.join(", ")),
+            ParameterDomain::Bool | ParameterDomain::Text => Ok(()),
+            ParameterDomain::Integer { from, to } => write!(f, "from {from} to {to}"),
+            ParameterDomain::Double { from, to } => write!(f, "from {from:?} to {to:?}"),
+            ParameterDomain::OneOf(words) => write!(f, "one of {}", words.join(", ")),
         }
     }
 }
 
 /// When a parameter may be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change {
+pub enum ParameterChange {
     /// At the start, and by a request while the node runs.
     Live,
     /// At the start alone; the other place that sets it.
@@ -65,8 +65,8 @@ pub struct Declaration {
     /// Name, with dots between its parts.
     pub name: &'static str,
     /// Values that it may have.
-    pub domain: Domain,
-    pub change: Change,
+    pub domain: ParameterDomain,
+    pub change: ParameterChange,
     /// A sentence, with the unit.
     pub description: &'static str,
 }
@@ -74,25 +74,23 @@ pub struct Declaration {
 impl Declaration {
     /// Whether no request changes it.
     pub fn is_read_only(&self) -> bool {
-        self.change != Change::Live
+        self.change != ParameterChange::Live
     }
 
     /// Further conditions for the descriptor, in a sentence: the words of a choice, and where a read-only one is set.
     pub fn constraints(&self) -> String {
         let words = match self.domain {
-            Domain::OneOf(_) => format!("{}. ", capital(&self.domain.to_string())),
-            Domain::Bool | Domain::Integer { .. } | Domain::Double { .. } | Domain::Text => String::new(),
+            ParameterDomain::OneOf(words) => format!("One of {}. ", words.join(", ")),
+            ParameterDomain::Bool
+            | ParameterDomain::Integer { .. }
+            | ParameterDomain::Double { .. }
+            | ParameterDomain::Text => String::new(),
         };
         let place = match self.change {
-            Change::Live => String::new(),
-            Change::AtStart(place) => format!("Set at the start: {place}."),
-            Change::Elsewhere(place) => format!("Set by {place}."),
+            ParameterChange::Live => String::new(),
+            ParameterChange::AtStart(place) => format!("Set at the start: {place}."),
+            ParameterChange::Elsewhere(place) => format!("Set by {place}."),
         };
         format!("{words}{place}").trim_end().to_owned()
     }
-}
-
-fn capital(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }

@@ -2,18 +2,18 @@
 //!
 //! A node declares its parameters as a table of constants ([`Declaration`]) and holds their values in a [`ParameterSet`]. A value
 //! is set at the start by an [`Override`]: of a [`ParameterFile`], or of an argument `name:=value`. While the node runs, a
-//! request may change those that are [`Change::Live`]. Everything else is refused with the reason, and with the place where it is set.
+//! request may change those that are [`ParameterChange::Live`]. Everything else is refused with the reason, and with the place where it is set.
 //! A file has the form of ROS 2: sections for nodes, whose names may have wildcards ([`NodePattern`]).
 //!
 //! This crate knows no parameter of any node, no message, and reads no file: text comes in.
 //!
 //! ```
-//! use linewright_parameters::{Change, Declaration, Domain, ParameterFile, ParameterSet, ParameterValue, apply};
+//! use linewright_parameters::{ParameterChange, Declaration, ParameterDomain, ParameterFile, ParameterSet, ParameterValue, apply};
 //!
 //! const PERIOD: Declaration = Declaration {
 //!     name: "report.period_s",
-//!     domain: Domain::Double { from: 0.5, to: 10.0 },
-//!     change: Change::Live,
+//!     domain: ParameterDomain::Double { from: 0.5, to: 10.0 },
+//!     change: ParameterChange::Live,
 //!     description: "Period of reports, in s.",
 //! };
 //! let mut set = ParameterSet::new([(&PERIOD, ParameterValue::Double(1.0))]);
@@ -34,7 +34,7 @@ mod value;
 
 pub use linewright_diagnostics::Problems;
 
-pub use declaration::{Change, Declaration, Domain};
+pub use declaration::{Declaration, ParameterChange, ParameterDomain};
 pub use file::{FILE_BYTES_MAX, ParameterFile};
 pub use overrides::{Argument, Override, OverrideError, apply};
 pub use pattern::{NodePattern, PatternError};

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::{Change, Declaration, Domain, ParameterType, ParameterValue};
+use crate::{Declaration, ParameterChange, ParameterDomain, ParameterType, ParameterValue};
 
 /// Reason why a parameter is not set.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -15,11 +15,11 @@ pub enum Refusal {
         hint: Option<String>,
     },
     /// A value of another type.
-    #[error("{name} is {}, and not {}{}", expected.phrase(), found.phrase(), advice(*expected, found))]
-    WrongType { name: &'static str, expected: ParameterType, found: ParameterValueShape },
+    #[error("{name} is {}, and not {}{}", expected.phrase(), found.kind().phrase(), advice(*expected, found))]
+    WrongType { name: &'static str, expected: ParameterType, found: ParameterValue },
     /// A value beyond the bounds, or none of the choices.
     #[error("{name} is {domain}, and not {found}")]
-    OutOfDomain { name: &'static str, domain: Domain, found: ParameterValue },
+    OutOfDomain { name: &'static str, domain: ParameterDomain, found: ParameterValue },
     /// It does not change while the node runs.
     #[error("{name} is read-only while the node runs, and is {is}; it is set at the start: {place}")]
     AtStart {
@@ -38,28 +38,10 @@ pub enum Refusal {
     },
 }
 
-/// Type of a refused value, with the value if it is a whole number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ParameterValueShape {
-    kind: ParameterType,
-    whole: Option<i64>,
-}
-
-impl ParameterValueShape {
-    fn of(value: &ParameterValue) -> Self {
-        let whole = if let ParameterValue::Integer(value) = value { Some(*value) } else { None };
-        ParameterValueShape { kind: value.kind(), whole }
-    }
-
-    fn phrase(self) -> &'static str {
-        self.kind.phrase()
-    }
-}
-
 /// How to write a whole number where a double is expected; empty otherwise.
-fn advice(expected: ParameterType, found: &ParameterValueShape) -> String {
-    match (expected, found.whole) {
-        (ParameterType::Double, Some(whole)) => format!("; write {whole}.0"),
+fn advice(expected: ParameterType, found: &ParameterValue) -> String {
+    match (expected, found) {
+        (ParameterType::Double, ParameterValue::Integer(whole)) => format!("; write {whole}.0"),
         _ => String::new(),
     }
 }
@@ -200,19 +182,20 @@ impl ParameterSet {
             return Ok(false);
         }
         if value.kind() != domain.kind() {
-            let (expected, found) = (domain.kind(), ParameterValueShape::of(value));
-            return Err(Refusal::WrongType { name, expected, found });
+            return Err(Refusal::WrongType { name, expected: domain.kind(), found: value.clone() });
         }
         match (change, moment) {
-            (Change::Live, _) | (Change::AtStart(_), Moment::Start) => {}
-            (Change::AtStart(place), Moment::Running) => return Err(Refusal::AtStart { name, is: is.clone(), place }),
-            (Change::Elsewhere(place), _) => return Err(Refusal::Elsewhere { name, is: is.clone(), place }),
+            (ParameterChange::Live, _) | (ParameterChange::AtStart(_), Moment::Start) => {}
+            (ParameterChange::AtStart(place), Moment::Running) => {
+                return Err(Refusal::AtStart { name, is: is.clone(), place });
+            }
+            (ParameterChange::Elsewhere(place), _) => return Err(Refusal::Elsewhere { name, is: is.clone(), place }),
         }
         let is_in = match (domain, value) {
-            (Domain::Integer { from, to }, ParameterValue::Integer(value)) => (from..=to).contains(value),
+            (ParameterDomain::Integer { from, to }, ParameterValue::Integer(value)) => (from..=to).contains(value),
             // What is no number is within no bounds.
-            (Domain::Double { from, to }, ParameterValue::Double(value)) => (from..=to).contains(value),
-            (Domain::OneOf(words), ParameterValue::Text(value)) => words.contains(&value.as_str()),
+            (ParameterDomain::Double { from, to }, ParameterValue::Double(value)) => (from..=to).contains(value),
+            (ParameterDomain::OneOf(words), ParameterValue::Text(value)) => words.contains(&value.as_str()),
             _ => true,
         };
         if !is_in {

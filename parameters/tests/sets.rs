@@ -1,36 +1,46 @@
 //! What may be set, and to what.
 
-use linewright_parameters::{Change, Declaration, Domain, ParameterSet, ParameterType, ParameterValue, Refusal};
+use linewright_parameters::{
+    Declaration, ParameterChange, ParameterDomain, ParameterSet, ParameterType, ParameterValue, Refusal,
+};
 use proptest::prelude::*;
 
 pub const LEVEL: Declaration = Declaration {
     name: "level",
-    domain: Domain::OneOf(&["low", "high"]),
-    change: Change::Live,
+    domain: ParameterDomain::OneOf(&["low", "high"]),
+    change: ParameterChange::Live,
     description: "How much.",
 };
 pub const COUNT: Declaration = Declaration {
     name: "rate.count",
-    domain: Domain::Integer { from: -3, to: 7 },
-    change: Change::Live,
+    domain: ParameterDomain::Integer { from: -3, to: 7 },
+    change: ParameterChange::Live,
     description: "How many.",
 };
 pub const PERIOD: Declaration = Declaration {
     name: "rate.period_s",
-    domain: Domain::Double { from: 0.5, to: 10.0 },
-    change: Change::Live,
+    domain: ParameterDomain::Double { from: 0.5, to: 10.0 },
+    change: ParameterChange::Live,
     description: "How often, in s.",
 };
 pub const LEASE: Declaration = Declaration {
     name: "timing.lease_ms",
-    domain: Domain::Integer { from: 1, to: 60_000 },
-    change: Change::Elsewhere("lease_ms in [timing] of line.toml"),
+    domain: ParameterDomain::Integer { from: 1, to: 60_000 },
+    change: ParameterChange::Elsewhere("lease_ms in [timing] of line.toml"),
     description: "How long, in ms.",
 };
-pub const BUS: Declaration =
-    Declaration { name: "bus", domain: Domain::Text, change: Change::AtStart("--bus"), description: "Which bus." };
-pub const QUIET: Declaration =
-    Declaration { name: "quiet", domain: Domain::Bool, change: Change::Live, description: "Whether." };
+pub const BUS: Declaration = Declaration {
+    name: "bus",
+    domain: ParameterDomain::Text,
+    change: ParameterChange::AtStart("--bus"),
+    description: "Which bus.",
+};
+pub const QUIET: Declaration = Declaration {
+    name: "quiet",
+    domain: ParameterDomain::Bool,
+    change: ParameterChange::Live,
+    description: "Whether.",
+};
 
 pub fn set() -> ParameterSet {
     ParameterSet::new([

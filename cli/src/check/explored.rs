@@ -3,9 +3,6 @@
 use linewright_proof::explore::{LineExplored, LinePath, LineProperty, Verdict};
 use serde::Serialize;
 
-/// Before the reason of what fails in a part of the line.
-const LEFT_OPEN: &str = "undecided: in this part ";
-
 /// One exploration, for people and programs.
 #[derive(Debug, Serialize)]
 pub struct Exploration {
@@ -53,6 +50,9 @@ pub struct LineFinding {
     /// It holds of a line if it holds of its parts.
     #[serde(skip)]
     pub holds_by_parts: bool,
+    /// It fails in a part of the line, which does not decide it.
+    #[serde(skip)]
+    pub is_left_open: bool,
 }
 
 /// A story as data.
@@ -90,16 +90,17 @@ impl Exploration {
         let is_part = !self.left_out.is_empty();
         for property in self.properties.iter_mut().filter(|property| is_part && property.verdict == "fails") {
             property.verdict = "undecided";
-            property.reason = format!("{LEFT_OPEN}{}", property.reason);
+            property.reason = format!("undecided: in this part {}", property.reason);
+            property.is_left_open = true;
         }
     }
 
-    /// Help below a property that a part of the line left open by a counterexample: the stations outside the part, and what decides it. None
+    /// Help below a property that fails in a part of the line, and so is left open: the stations outside the part, and what decides it. None
     /// where there is no such property.
     pub fn outside_text(&self) -> Option<String> {
         /// More names are no help to read.
         const NAMES_MAX: usize = 8;
-        if self.left_out.is_empty() || !self.properties.iter().any(LineFinding::is_left_open) {
+        if self.left_out.is_empty() || !self.properties.iter().any(|property| property.is_left_open) {
             return None;
         }
         let mut names = self.left_out.iter().take(NAMES_MAX).cloned().collect::<Vec<_>>().join(", ");
@@ -137,11 +138,6 @@ impl Exploration {
 }
 
 impl LineFinding {
-    /// It fails in a part of the line.
-    fn is_left_open(&self) -> bool {
-        self.verdict == "undecided" && self.reason.starts_with(LEFT_OPEN)
-    }
-
     /// It is not decided to hold, and larger parts may decide that.
     pub fn is_open_by_parts(&self) -> bool {
         self.holds_by_parts && matches!(self.verdict, "fails" | "undecided")
@@ -158,7 +154,7 @@ impl From<LineProperty> for LineFinding {
         };
         let counterexample = property.counterexample.map(LineCounterexample::from);
         let LineProperty { name, reason, holds_by_parts, .. } = property;
-        LineFinding { name, verdict, reason, counterexample, holds_by_parts }
+        LineFinding { name, verdict, reason, counterexample, holds_by_parts, is_left_open: false }
     }
 }
 

@@ -27,6 +27,12 @@ impl Explorer<'_> {
     /// # Errors
     /// When the line cannot be explored at all.
     pub fn explore(&self, line: &Line) -> Result<Vec<Exploration>, LineNotExplorable> {
+        let mut found = self.all(line)?;
+        found.iter_mut().for_each(Exploration::open_outside);
+        Ok(found)
+    }
+
+    fn all(&self, line: &Line) -> Result<Vec<Exploration>, LineNotExplorable> {
         let mut found = Vec::new();
         if !self.options.asks_to_explore() {
             return Ok(found);

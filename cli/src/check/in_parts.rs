@@ -30,7 +30,6 @@ impl<'a> Explorer<'a> {
         if what == PART {
             self.add_larger(line, each, (&mut found, &mut explored))?;
             larger::take_over(&mut found, &explored);
-            found.iter_mut().for_each(Exploration::open_outside);
         }
         Ok(found)
     }
@@ -106,7 +105,7 @@ impl Exploration {
     fn unexplored(part: &SubLine, what: &str, verdict: &'static str, reason: &str) -> Self {
         let property = |(name, holds_by_parts)| {
             let reason = reason.to_owned();
-            LineFinding { name, verdict, reason, counterexample: None, holds_by_parts }
+            LineFinding { name, verdict, reason, counterexample: None, holds_by_parts, is_left_open: false }
         };
         let conflicts = part.line.conflicts.iter().map(|conflict| (format!("never: {}", conflict.why), true));
         let whole = part.line.conflicts.is_empty().then(|| ("explored".to_owned(), false));

@@ -42,9 +42,7 @@ pub fn take_over(found: &mut [Exploration], parts: &[PartFound]) {
             }
             // Its search ended with what the larger part excludes; what it had not seen by then is nothing that parts decide.
             let properties = &mut found[index].properties;
-            // What is reached in it stays, also where an inner part has left it open.
-            let is_reached = |of: &LineFinding| of.verdict == "fails" || of.counterexample.is_some();
-            if is_settled && !properties.iter().any(is_reached) {
+            if is_settled && !properties.iter().any(|finding| finding.verdict == "fails") {
                 properties.retain(|finding| finding.verdict != "undecided");
             }
         }
@@ -74,6 +72,7 @@ mod tests {
             reason: String::new(),
             counterexample: None,
             holds_by_parts: name.starts_with("never"),
+            is_left_open: false,
         };
         Exploration {
             scope: scope.to_owned(),

@@ -116,7 +116,7 @@ pub struct TaskReport {
     pub presence: Presence,
     /// Of the inputs that its operations wait for, those that are known to be off, by their bits.
     pub off: u128,
-    /// What is wrong with it, for people, with operation and input; empty if nothing is.
+    /// Fault text of the station, with operation and input; empty if it has no fault.
     pub fault: String,
 }
 

@@ -21,8 +21,8 @@ pub enum AnswerVerdict {
     Contradicted(Vec<SensorMismatch>),
     /// It is taken. Sensors confirm it but for these resources, where none sees what it claims: a person has to look.
     Taken { unseen: Vec<ResourceId> },
-    /// It is taken. The part is at this resource before its activity and afterwards, and the sensor there sees it: whether it was worked on
-    /// a person has to look.
+    /// It is taken. The part is at this resource before its activity and afterwards, and the sensor there sees it both times: a
+    /// person has to look whether it was worked on.
     WorkUnseen { at: ResourceId },
     /// It depends on what is not known now: these stations are not received.
     Open { silent: Vec<StationId> },

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_coordinator_logic::{ModeRefusal, RefusedCommand, StationView};
-use linewright_coordinator_shell::parameters::MODE_TEXT_PERIOD;
+use linewright_coordinator_shell::parameters::{MODE_TEXT_EVERY_S, MODE_TEXT_PERIOD};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
@@ -81,9 +81,6 @@ pub struct CoordinatorOptions {
     /// The parameters, with the values that they are started with.
     pub parameters: ParameterSet,
 }
-
-/// Period of the mode as text, unless it is set.
-const TEXT_EVERY: Duration = Duration::from_secs(1);
 
 /// Runs the coordinator until `stop` turns true, then switches all outputs off.
 ///
@@ -220,7 +217,7 @@ impl CoordinatorLoop {
             stop_time: StopTime::default(),
             text: String::new(),
             text_due: Tick::ZERO,
-            text_every: TEXT_EVERY,
+            text_every: Duration::from_secs_f64(MODE_TEXT_EVERY_S),
             ignored: 0,
             has_ended: false,
             clock,

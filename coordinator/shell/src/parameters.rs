@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_line::Line;
-use linewright_parameters::{Change, Declaration, Domain, ParameterSet, ParameterValue};
+use linewright_parameters::{Declaration, ParameterChange, ParameterDomain, ParameterSet, ParameterValue};
 use linewright_station_shell::parameters::{
     DIAGNOSTICS_EVERY_S, DIAGNOSTICS_PERIOD, OF_EVERY_NODE, OF_STATIONS, common,
 };
@@ -13,57 +13,62 @@ use linewright_station_shell::parameters::{
 /// A day, in s.
 const DAY_S: f64 = 86_400.0;
 
-const fn of_cell(name: &'static str, place: &'static str, domain: Domain, description: &'static str) -> Declaration {
-    Declaration { name, domain, change: Change::Elsewhere(place), description }
+const fn of_cell(
+    name: &'static str,
+    place: &'static str,
+    domain: ParameterDomain,
+    description: &'static str,
+) -> Declaration {
+    Declaration { name, domain, change: ParameterChange::Elsewhere(place), description }
 }
 
 /// Bus of the line.
 pub const CAN_INTERFACE: Declaration = Declaration {
     name: "can_interface_name",
-    domain: Domain::Text,
-    change: Change::AtStart("by --bus, or as this parameter"),
+    domain: ParameterDomain::Text,
+    change: ParameterChange::AtStart("by --bus, or as this parameter"),
     description: "CAN interface of the line's bus.",
 };
 /// Period of the mode as text, in s.
 pub const MODE_TEXT_PERIOD: Declaration = Declaration {
     name: "mode_text_period_s",
-    domain: Domain::Double { from: 0.2, to: 60.0 },
-    change: Change::Live,
+    domain: ParameterDomain::Double { from: 0.2, to: 60.0 },
+    change: ParameterChange::Live,
     description: "Period of mode_text when nothing changes, in s.",
 };
 /// Days that the database keeps.
 pub const RETENTION: Declaration = Declaration {
     name: "retention_days",
-    domain: Domain::Integer { from: 0, to: 36_500 },
-    change: Change::Elsewhere("--retention"),
+    domain: ParameterDomain::Integer { from: 0, to: 36_500 },
+    change: ParameterChange::Elsewhere("--retention"),
     description: "Days for which the database keeps what happens; 0 for everything.",
 };
 /// [`linewright_cell::CellTimeouts::wip_max`].
 pub const WIP_MAX: Declaration = of_cell(
     "cell.wip_max",
     "wip_max in [cell] of the cell's description",
-    Domain::Integer { from: 1, to: 10_000 },
+    ParameterDomain::Integer { from: 1, to: 10_000 },
     "Most parts in the cell at once.",
 );
 /// [`linewright_cell::Dispatch::look_ahead`].
 pub const LOOK_AHEAD: Declaration = of_cell(
     "dispatch.look_ahead_s",
     "look_ahead_s in [dispatch] of the cell's description",
-    Domain::Double { from: 0.0, to: DAY_S },
+    ParameterDomain::Double { from: 0.0, to: DAY_S },
     "Time of the simulation before decisions, in s; 0 for none.",
 );
 /// [`linewright_cell::Dispatch::patience`].
 pub const PATIENCE: Declaration = of_cell(
     "dispatch.patience_s",
     "patience_s in [dispatch] of the cell's description",
-    Domain::Double { from: 0.0, to: DAY_S },
+    ParameterDomain::Double { from: 0.0, to: DAY_S },
     "Time of waiting after which a part that could move goes first, in s.",
 );
 /// [`linewright_cell::Dispatch::window`].
 pub const WINDOW: Declaration = of_cell(
     "dispatch.window_s",
     "window_s in [dispatch] of the cell's description",
-    Domain::Double { from: 0.0, to: DAY_S },
+    ParameterDomain::Double { from: 0.0, to: DAY_S },
     "Permitted difference from the planned start, in s.",
 );
 

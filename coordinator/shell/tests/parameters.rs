@@ -2,7 +2,7 @@
 
 use linewright_coordinator_shell::parameters::{OF_THE_COORDINATOR, coordinator_parameters, names};
 use linewright_line::{Line, StationId};
-use linewright_parameters::{Change, Declaration, ParameterSet, ParameterType, ParameterValue};
+use linewright_parameters::{Declaration, ParameterChange, ParameterSet, ParameterType, ParameterValue};
 use linewright_station_shell::parameters::{OF_EVERY_NODE, OF_STATIONS, station_parameters};
 
 fn line(text: &str) -> Line {
@@ -25,9 +25,9 @@ fn kind(declared: &Declaration) -> &'static str {
 fn row(declared: &Declaration) -> String {
     let Declaration { name, domain, change, description } = declared;
     let place = match change {
-        Change::Live => "**while the node runs**".to_owned(),
-        Change::AtStart(place) => format!("at the start, {place}"),
-        Change::Elsewhere(place) => (*place).to_owned(),
+        ParameterChange::Live => "**while the node runs**".to_owned(),
+        ParameterChange::AtStart(place) => format!("at the start, {place}"),
+        ParameterChange::Elsewhere(place) => (*place).to_owned(),
     };
     let values = match domain.to_string() {
         values if values.is_empty() => "any".to_owned(),

@@ -7,24 +7,29 @@
 use std::time::Duration;
 
 use linewright_line::{DeviceBus, Line, StationId, TaskOrderSource};
-use linewright_parameters::{Change, Declaration, Domain, ParameterSet, ParameterValue};
+use linewright_parameters::{Declaration, ParameterChange, ParameterDomain, ParameterSet, ParameterValue};
 
 const fn integer_ms(name: &'static str, place: &'static str, from: i64, description: &'static str) -> Declaration {
-    Declaration { name, domain: Domain::Integer { from, to: 60_000 }, change: Change::Elsewhere(place), description }
+    Declaration {
+        name,
+        domain: ParameterDomain::Integer { from, to: 60_000 },
+        change: ParameterChange::Elsewhere(place),
+        description,
+    }
 }
 
 /// Log level of the process. The first value is `RUST_LOG` where that variable decides.
 pub const LOG_LEVEL: Declaration = Declaration {
     name: "log_level",
-    domain: Domain::OneOf(&["debug", "info", "warn", "error", "fatal"]),
-    change: Change::Live,
+    domain: ParameterDomain::OneOf(&["debug", "info", "warn", "error", "fatal"]),
+    change: ParameterChange::Live,
     description: "Log level of the process: of several nodes in one, the level that was set last is in force.",
 };
 /// As every node of ROS 2 has it.
 pub const USE_SIM_TIME: Declaration = Declaration {
     name: "use_sim_time",
-    domain: Domain::Bool,
-    change: Change::Elsewhere("the program: a line runs by the clocks of its machines"),
+    domain: ParameterDomain::Bool,
+    change: ParameterChange::Elsewhere("the program: a line runs by the clocks of its machines"),
     description: "Whether time comes from the topic /clock.",
 };
 /// [`linewright_line::Timing::refresh`].
@@ -72,22 +77,22 @@ pub const SYNC: Declaration = integer_ms(
 /// Period of the diagnostics, in s.
 pub const DIAGNOSTICS_PERIOD: Declaration = Declaration {
     name: "diagnostics_period_s",
-    domain: Domain::Double { from: 0.5, to: 10.0 },
-    change: Change::Live,
+    domain: ParameterDomain::Double { from: 0.5, to: 10.0 },
+    change: ParameterChange::Live,
     description: "Period of the messages on /diagnostics when nothing changes, in s.",
 };
 /// Bus of a station's own.
 pub const OWN_CAN_INTERFACE: Declaration = Declaration {
     name: "can_interface_name",
-    domain: Domain::Text,
-    change: Change::Elsewhere("bus of the station in the line's description"),
+    domain: ParameterDomain::Text,
+    change: ParameterChange::Elsewhere("bus of the station in the line's description"),
     description: "CAN interface of the station's own bus.",
 };
 /// [`linewright_line::Station::order_source`].
 pub const ORDERS: Declaration = Declaration {
     name: "orders",
-    domain: Domain::OneOf(&["coordinator", "any"]),
-    change: Change::Elsewhere("orders of the station in the line's description"),
+    domain: ParameterDomain::OneOf(&["coordinator", "any"]),
+    change: ParameterChange::Elsewhere("orders of the station in the line's description"),
     description: "Senders that task orders are taken from.",
 };
 

@@ -32,7 +32,8 @@ pub struct FailedActivity {
     pub since: Tick,
     /// Standing of the stations that had to come to rest, where it is certain.
     pub standing: Vec<(OrderKey, SecuredState)>,
-    /// What was wrong with stations when they had come to rest, for people: it is still the cause when they have been led on.
+    /// The fault texts of stations at the moment in which they had come to rest. A station reports its fault no more when it has been led on, and
+    /// alarms still name it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<(OrderKey, String)>,
     /// The stations that went into emergency stop because of it. Those that were reset since do not do so again.

@@ -351,9 +351,9 @@ impl Coordination {
         self.watch.seen(station).map_or(0, |seen| seen.heard.off)
     }
 
-    /// What is wrong with a station, by its last report, for people; empty if nothing is.
-    pub(crate) fn station_fault(&self, station: StationId) -> Option<String> {
-        self.watch.seen(station).map(|seen| seen.heard.fault.clone())
+    /// The fault text of the newest report of a station; empty if it has no fault, or none is received.
+    pub(crate) fn station_fault(&self, station: StationId) -> &str {
+        self.watch.seen(station).map_or("", |seen| &seen.heard.fault)
     }
 
     /// Starts repetitions that are due, before the dispatcher is asked.

@@ -15,7 +15,7 @@ pub enum ExceptionStep {
         key: OrderKey,
         /// Standing of its station.
         standing: SecuredState,
-        /// What was wrong with the station then, for people; empty if nothing was.
+        /// Fault text of the station at that moment, without what to do about it; empty if it had no fault.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         fault: String,
     },

@@ -50,7 +50,7 @@ pub struct ResourcePolicy {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StationRests {
     pub station: StationId,
-    /// Name with title, as operators see it.
+    /// Name, and behind it the title in brackets where that differs.
     pub label: Arc<str>,
     /// What the rests are called, by number.
     pub names: Vec<Arc<str>>,
@@ -71,7 +71,7 @@ pub struct RestTask {
     pub shared: Vec<(Arc<str>, Arc<str>)>,
     /// One of its motions waits for inputs.
     pub waits: bool,
-    /// The codes of its motions whose time was over while they waited, each with an input, its bit, and the operation.
+    /// The inputs that its operations wait for, or have to bring about.
     pub awaited: Vec<AwaitedInput>,
 }
 
@@ -221,7 +221,7 @@ impl RecoveryPolicy {
         known.map_or_else(|| format!("station {}", station.0), |(_, name)| name.to_string())
     }
 
-    /// Operators' name of a station with its title, where it has one that says more.
+    /// The label of a station: its name, and behind it the title in brackets where that differs.
     pub fn station_label(&self, station: StationId) -> String {
         let known = self.rests.iter().find(|of| of.station == station);
         known.map_or_else(|| self.station_name(station), |of| of.label.to_string())

@@ -238,8 +238,7 @@ impl Coordination {
             let way = self.way_to_rest(now, order.station, order.key);
             let standing = self.standing(order.station, order.key, way);
             // Without what is to be done about it and how it stands: the text stays when the station has been led on.
-            let cause = |text: &str| text.split("; ").next().unwrap_or_default().to_owned();
-            let fault = self.watch.seen(order.station).map(|seen| cause(&seen.heard.fault)).unwrap_or_default();
+            let fault = self.station_fault(order.station).split("; ").next().unwrap_or_default().to_owned();
             Some((order.key, standing.or(is_late.then_some(SecuredState::Unknown))?, fault))
         };
         let known: Vec<_> = self.state.owed(firing).filter_map(stands).collect();

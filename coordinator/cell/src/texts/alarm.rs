@@ -164,13 +164,13 @@ fn is_told(failure: OrderFailure) -> bool {
 /// Failure of an order with the names of its station and of the inputs that were waited for.
 fn order_failed(of: &Coordination, firing: &OngoingActivity, order: &OngoingOrder, failure: OrderFailure) -> String {
     let text = failure.text_of(&of.state().table().handling().station_label(order.station));
-    let detail = awaited(of, firing, order, failure).or_else(|| station_fault(of, firing, order, failure));
+    let detail = awaited(of, firing, order, failure).or_else(|| fault_of_order(of, firing, order, failure));
     detail.map_or_else(|| text.clone(), |detail| AlarmText::Because { failure: &text, detail: &detail }.text())
 }
 
-/// What was wrong with the station of an order that a fault of it has ended, with operation and input: as it was when the station had come
-/// to rest, before that as it is now.
-fn station_fault(
+/// The fault text of an order's station, where the order has ended by a fault of the station; none otherwise. It is that of the moment in
+/// which the station had come to rest; until then, the present one.
+fn fault_of_order(
     of: &Coordination,
     firing: &OngoingActivity,
     order: &OngoingOrder,
@@ -181,9 +181,10 @@ fn station_fault(
     }
     let kept =
         of.state().exceptions().trouble(firing.id).and_then(|trouble| {
-            trouble.faults.iter().find(|(key, _)| *key == order.key).map(|(_, fault)| fault.clone())
+            trouble.faults.iter().find(|(key, _)| *key == order.key).map(|(_, fault)| fault.as_str())
         });
-    kept.or_else(|| of.station_fault(order.station)).filter(|fault| !fault.is_empty())
+    let fault = kept.unwrap_or_else(|| of.station_fault(order.station));
+    (!fault.is_empty()).then(|| fault.to_owned())
 }
 
 /// The same where the order was left because of another one's failure: no time was over.
@@ -306,7 +307,7 @@ pub enum AlarmText<'a> {
     MeansUp,
     /// The facts of a failed activity; how its stations stand follows.
     Facts { activity: &'a str, cause: &'a str, seconds: f64 },
-    /// A failure, and the inputs that were waited for, or what was wrong with the station.
+    /// A failure with its cause: the inputs that did not come, or the fault text of the station.
     Because { failure: &'a str, detail: &'a str },
     /// An order that was left while it waited for inputs, since another one had failed.
     LeftWaiting { station: &'a str, inputs: Option<&'a str>, code: u16 },

@@ -130,8 +130,8 @@ fn answers_name_a_station_that_is_not_received() {
     assert!(later.starts_with("in-store (refused now: ") && later.contains("no state received"), "{later}");
 }
 
-/// The part is in the machine before and after the work on it, and the sensor is on either way: what it sees is said, and that a person has
-/// to look at the part.
+/// The part is in the machine before and after the work on it, so its sensor is on in both cases: the rehearsal states that, and that a person
+/// has to look.
 #[test]
 fn whether_a_part_was_worked_on_is_not_measured() {
     let mut bench = CellBench::c1_of_its_line(&[1, 0]);

@@ -195,7 +195,7 @@ pub(super) struct CellLoop {
     pub(super) people: PendingReplies,
     /// Reasons why stations can do nothing now, from their states; and the inputs that sense their parts.
     unable: Vec<Option<StationUnavailable>>,
-    /// What is wrong with each station, for people.
+    /// The fault text of each station.
     faults: Vec<String>,
     sensors: Vec<Option<InputId>>,
     apart: watch::Sender<IsolatedStations>,

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use linewright_line::{Grip, Line, StateSpan, StationId, TaskId};
 use linewright_text::{Problem, Report};
 
+use super::orders::ordered;
 use crate::parse::draft::{DraftCell, DraftOrder};
 
 /// A task of a station.
@@ -14,10 +15,11 @@ type StationTask = (StationId, TaskId);
 /// it is forgotten when a task is added. Tasks that one activity orders together are joined by their waits.
 pub(super) fn tasks_that_reach_alike_are_kept_apart(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
+    let task_of = |span: StateSpan| Some((span.station, line.station(span.station).task_of(span.from)?));
     let apart: HashSet<(StationTask, StationTask)> = line
         .conflicts
         .iter()
-        .filter_map(|conflict| Some((task_of(line, conflict.a)?, task_of(line, conflict.b)?)))
+        .filter_map(|conflict| Some((task_of(conflict.a)?, task_of(conflict.b)?)))
         .flat_map(|(a, b)| [(a, b), (b, a)])
         .collect();
     let orders = || draft.activities.iter().flat_map(|activity| &activity.orders);
@@ -50,19 +52,6 @@ pub(super) fn tasks_that_reach_alike_are_kept_apart(draft: &DraftCell<'_>, repor
             }
         }
     }
-}
-
-/// The task that a side of a conflict stands for.
-fn task_of(line: &Line, span: StateSpan) -> Option<StationTask> {
-    let station = line.station(span.station);
-    let task = station.task_ids().find(|task| station.operations_of(*task).any(|op| op == span.from))?;
-    Some((span.station, task))
-}
-
-/// The station and task of an order.
-fn ordered(line: &Line, order: &DraftOrder<'_>) -> Option<StationTask> {
-    let station = line.station_named(&order.raw.station.as_ref()?.value)?;
-    Some((station, line.station(station).task_named(&order.raw.task.as_ref()?.value)?))
 }
 
 /// Each station with a hand that reaches into a place of another station, with that one and the number of the reach.

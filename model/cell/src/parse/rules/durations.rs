@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_line::{Station, Task};
 use linewright_text::{Located, Problem, Report};
 
-use super::orders::times;
+use super::orders::{ordered, times};
 use crate::ParameterSource;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 
@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 0.1;
 const LEAST: Duration = Duration::from_millis(100);
 
 /// What the chart says of a task: its operations, one after the other.
-struct ChartedTask<'d> {
+pub(super) struct ChartedTask<'d> {
     station: &'d Station,
     task: &'d Task,
 }
@@ -27,7 +27,8 @@ impl ChartedTask<'_> {
         operations.map(|operation| (operation.name.as_str(), operation.duration))
     }
 
-    fn takes(&self) -> Duration {
+    /// Its operations one after the other, as they are planned.
+    pub(super) fn takes(&self) -> Duration {
         self.operations().map(|(_, duration)| duration).sum()
     }
 
@@ -86,9 +87,9 @@ pub(super) fn times_are_those_of_the_charts(draft: &DraftCell<'_>, activity: &Dr
 }
 
 /// The chart of an order's task; none where it is not known, which is another rule's error.
-fn charted<'d>(draft: &DraftCell<'d>, order: &DraftOrder<'_>) -> Option<ChartedTask<'d>> {
+pub(super) fn charted<'d>(draft: &DraftCell<'d>, order: &DraftOrder<'_>) -> Option<ChartedTask<'d>> {
     let line = draft.line?;
-    let station = line.station(line.station_named(&order.raw.station.as_ref()?.value)?);
-    let task = station.task(station.task_named(&order.raw.task.as_ref()?.value)?);
-    Some(ChartedTask { station, task })
+    let (station, task) = ordered(line, order)?;
+    let station = line.station(station);
+    Some(ChartedTask { station, task: station.task(task) })
 }

@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 use std::time::Duration;
 
+use linewright_line::{Line, StationId, TaskId};
 use linewright_text::{Located, Problem, Report, suggestion};
 
 use super::resources::station_exists;
-use crate::parse::draft::{DraftActivity, DraftCell};
+use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 use crate::{ActivityKind, ParameterSource, Prototype};
 
 pub(super) fn stations_exist(draft: &DraftCell<'_>, report: &mut Report) {
@@ -61,6 +62,12 @@ pub(super) fn limits_are_known_and_exceed_times(
             (Some(_), _) | (None, _) => {}
         }
     }
+}
+
+/// The station and task of an order; none where the line has no such station or task, which is another rule's error.
+pub(super) fn ordered(line: &Line, order: &DraftOrder<'_>) -> Option<(StationId, TaskId)> {
+    let station = line.station_named(&order.raw.station.as_ref()?.value)?;
+    Some((station, line.station(station).task_named(&order.raw.task.as_ref()?.value)?))
 }
 
 /// The nominal times of an activity: of a process, those of the steps that it is for.

@@ -6,6 +6,7 @@ use std::time::Duration;
 use linewright_line::{Parameter, Task};
 use linewright_text::{Located, Problem, Report, TextRange, suggestion};
 
+use super::durations::charted;
 use super::orders::times;
 use crate::ParameterSource;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
@@ -56,7 +57,7 @@ fn times_fit_the_motions(
     task: &Task,
     report: &mut Report,
 ) {
-    let Some(takes) = motions_take(draft, order, task) else { return };
+    let Some(takes) = charted(draft, order).map(|of| of.takes()) else { return };
     let safety = draft.raw.cell.as_ref().map_or(1.0, |cell| cell.safety);
     let limits: Vec<(Located<Duration>, &str, f64)> = match &order.raw.limit {
         // One that is not even longer than the nominal time is an error already.
@@ -84,14 +85,6 @@ fn times_fit_the_motions(
                 .hint("the task fails when its `limit_s` is over: a longer one in the line's description, or a shorter time"),
         );
     }
-}
-
-/// What the motions of an order's task take, one after the other.
-fn motions_take(draft: &DraftCell<'_>, order: &DraftOrder<'_>, task: &Task) -> Option<Duration> {
-    let line = draft.line?;
-    let station = line.station(line.station_named(&order.raw.station.as_ref()?.value)?);
-    let steps = station.steps.get(task.steps.clone())?;
-    Some(steps.iter().flatten().map(|op| station.operations[op.index()].duration).sum())
 }
 
 fn parameters_are_the_tasks(order: &DraftOrder<'_>, task: &Task, report: &mut Report) {

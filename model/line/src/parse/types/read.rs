@@ -30,12 +30,12 @@ pub(super) struct TypedStation {
     /// The type of this number.
     pub kind: usize,
     /// By parameter of its type.
-    pub values: Vec<ParameterValue>,
+    pub values: Vec<TypeArgument>,
     /// Keys that are not written out.
     pub cuts: Vec<TypeEdit>,
 }
 
-pub(super) struct ParameterValue {
+pub(super) struct TypeArgument {
     pub name: String,
     pub at: TextRange,
     /// Text as it is written.
@@ -289,7 +289,7 @@ fn values(
     kind: &StationType<'_>,
     text: &str,
     report: &mut Report,
-) -> Option<Vec<ParameterValue>> {
+) -> Option<Vec<TypeArgument>> {
     let empty = Table::new();
     let written: &dyn TableLike = match table.get("parameters") {
         None => &empty,
@@ -308,7 +308,7 @@ fn values(
         let problem = Problem::error(at.unwrap_or(0..0), format!("type `{}` has no parameter `{key}`", of.value));
         report.add(problem.maybe_hint(suggestion(key, known())));
     }
-    let mut values = vec![ParameterValue {
+    let mut values = vec![TypeArgument {
         name: NAME.to_owned(),
         at: name.at.clone(),
         source: super::pattern::quoted(&name.value),
@@ -331,7 +331,7 @@ fn values(
     (values.len() == kind.parameters.len()).then_some(values)
 }
 
-fn value(name: &str, item: &Item, text: &str, report: &mut Report) -> Option<ParameterValue> {
+fn value(name: &str, item: &Item, text: &str, report: &mut Report) -> Option<TypeArgument> {
     let at = item.span().unwrap_or(0..0);
     let words = match item.as_value() {
         Some(Value::String(text)) => text.value().clone(),
@@ -348,7 +348,7 @@ fn value(name: &str, item: &Item, text: &str, report: &mut Report) -> Option<Par
         return None;
     }
     let source = text.get(at.clone())?.to_owned();
-    Some(ParameterValue { name: name.to_owned(), at, source, words })
+    Some(TypeArgument { name: name.to_owned(), at, source, words })
 }
 
 /// Warns of types that no station has: nothing in them is read.
