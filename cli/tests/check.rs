@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use linewright_proof::generate::{self, LineShape};
 use serde_json::Value;
 
 use crate::support::command::{Scratch, into_full_disk, json, linewright, shipped, text, unread};
@@ -259,7 +260,24 @@ fn conflicts_are_decided_in_parts_where_the_whole_line_is_too_much() {
     never.dedup();
     assert_eq!((conflicts, never.len(), with("fails").len()), (2, 2, 0));
     let help = explorations[1]["help"].as_str().unwrap();
-    assert!(help.contains("decided by the parts below") && help.contains("`--whole --states 50000000`"), "{help}");
+    assert!(help.contains("decided by the parts below") && help.contains("`--whole --states "), "{help}");
+}
+
+/// Of three stations in a ring the parts are few states, and the whole is expected to have far more than the limit: only the first of it are
+/// looked at, and the conflicts are decided.
+#[test]
+fn of_a_whole_line_that_is_far_too_large_only_the_first_states_are_looked_at() {
+    let scratch = Scratch::new();
+    let shape = LineShape { stations: 3..=3, operations: 2..=3, more_arrows: 0, ..LineShape::default() };
+    let ring = scratch.file("ring.toml", &generate::text(&generate::line(&shape, 27)));
+    let output = linewright(&["check", &ring, "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let found = json(&output);
+    let explorations = found["explorations"].as_array().unwrap();
+    let parts = explorations.iter().filter(|of| of["scope"].as_str().unwrap().starts_with("part: ")).count();
+    assert_eq!((explorations[1]["kept"].as_u64(), parts), (Some(500_000), 6), "each pair, with restarts and without");
+    let help = explorations[1]["help"].as_str().unwrap();
+    assert!(help.contains("000000 kept states are expected of the whole"), "{help}");
 }
 
 /// The first and the third of a row meet where nothing joins them; the second one between keeps them apart.

@@ -264,8 +264,12 @@ fn divide(part: &mut Line, station: usize, sequences: &Option<Sequences>) {
 
 /// Each task-driven station, alone: nothing joins it to another, and its orders are arbitrary.
 pub fn task_driven(line: &Line) -> Vec<SubLine> {
-    let alone = |id| SubLine { stations: vec![id], conflicts: Vec::new(), line: part_of(line, &[id]) };
-    line.station_ids().filter(|&id| line.station(id).is_task_driven()).map(alone).collect()
+    line.station_ids().filter(|&id| line.station(id).is_task_driven()).map(|id| alone(line, id)).collect()
+}
+
+/// One station, without arrows and conflicts.
+pub fn alone(line: &Line, id: StationId) -> SubLine {
+    SubLine { stations: vec![id], conflicts: Vec::new(), line: part_of(line, &[id]) }
 }
 
 /// The stations that go round a cycle, as a line of their own with all conflicts.

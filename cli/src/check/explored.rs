@@ -3,6 +3,8 @@
 use linewright_proof::explore::{LineExplored, LinePath, LineProperty, Verdict};
 use serde::Serialize;
 
+use super::options::MEMORY;
+
 /// One exploration, for people and programs.
 #[derive(Debug, Serialize)]
 pub struct Exploration {
@@ -119,14 +121,17 @@ impl Exploration {
     }
 
     /// Leaves out the properties that this exploration does not decide, where smaller parts decide the conflicts: of lines that are explored in
-    /// parts alone they are not listed either. `further`: the options with which they are explored, as text.
-    pub fn leave_open(&mut self, further: &str) {
+    /// parts alone they are not listed either. `expected`: about how many states are kept of all of it.
+    pub fn leave_open(&mut self, expected: u64) {
         self.properties.retain(|property| property.verdict != "undecided");
         if !self.exhausted {
             self.is_left_to_parts = true;
+            let states = rounded(expected.max(self.kept as u64).saturating_mul(2));
+            let memory = states.saturating_mul((self.bytes / self.kept.max(1)) as u64) >> 20;
             self.help = Some(format!(
-                "{} states are kept, and how many there are is not known: conflicts and each station are decided by the parts below; {further}",
-                self.kept
+                "conflicts and each station are decided by the parts below, from which about {} kept states are expected of the whole; `--whole --states {states} --memory {}` looks at them all, if the memory suffices",
+                rounded(expected),
+                memory.max(MEMORY as u64)
             ));
         }
     }
@@ -135,6 +140,12 @@ impl Exploration {
     pub fn holds(&self) -> bool {
         self.properties.iter().all(|property| matches!(property.verdict, "holds" | "remark"))
     }
+}
+
+/// To two digits: more are not known of an expected number.
+fn rounded(number: u64) -> u64 {
+    let unit = 10_u64.pow(number.checked_ilog10().unwrap_or(0).saturating_sub(1));
+    number / unit * unit
 }
 
 impl LineFinding {

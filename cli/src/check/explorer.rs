@@ -6,7 +6,8 @@ use linewright_proof::explore::{LineExploration, LineNotExplorable, SearchLimits
 use linewright_proof::parts::{self, cyclic, smallest_parts, task_driven};
 
 use super::explored::Exploration;
-use super::options::{ExploreOptions, STATES, STATES_TOGETHER};
+use super::larger::PartFound;
+use super::options::{ExploreOptions, MANY_MORE, STATES, STATES_TOGETHER, STATES_TOGETHER_FEW};
 use super::progress::CheckProgress;
 
 /// What the scope of a part begins with.
@@ -46,7 +47,7 @@ impl Explorer<'_> {
             return self.together(line);
         }
         let others = cyclic(line);
-        found.extend(self.by_parts(line, alone, "alone", Explorer::each)?);
+        found.extend(self.by_parts(line, alone, "alone", Explorer::each)?.0);
         if !others.stations.is_empty() {
             found.extend(self.together(&others)?);
         }
@@ -63,31 +64,60 @@ impl Explorer<'_> {
             found.extend(self.both(line, "the whole line")?);
             return Ok(found);
         }
-        self.by_parts(line, parts::parts(line), PART, Explorer::both)
+        Ok(self.by_parts(line, parts::parts(line), PART, Explorer::both)?.0)
     }
 
     /// The exploration with intact memories, then the one with restarts and lost memories; only the first where a property fails
     /// in it.
+    ///
+    /// What must never be is decided by the smallest parts, with and without restarts: where they hold, the line holds; where one fails, that
+    /// may come of what was left out of it. They are few states, and from them follows how many the whole has, so they come first.
     fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
+        let restarts = !self.options.lost_memories(line).modes.is_empty();
         let small = if self.options.whole { Vec::new() } else { smallest_parts(line) };
-        let states = if small.is_empty() { STATES } else { STATES_TOGETHER };
-        let mut found = vec![self.one(&self.options.setting(line), what, self.options.limits(states))?];
-        let fails = found.iter().any(|exploration| exploration.has("fails"));
-        if fails || self.options.lost_memories(line).modes.is_empty() {
+        let (mut of_parts, parts) = self.by_parts(line, small, PART, Explorer::both)?;
+        let decided = !of_parts.is_empty() && of_parts.iter().all(Exploration::holds);
+        let expected = if decided { self.expected(line, &parts)? } else { 0 };
+        let states = match of_parts.is_empty() {
+            true => STATES,
+            false if expected > MANY_MORE * STATES_TOGETHER as u64 => STATES_TOGETHER_FEW,
+            false => STATES_TOGETHER,
+        };
+        let mut whole = self.one(&self.options.setting(line), what, self.options.limits(states))?;
+        if whole.has("fails") || !restarts && !decided {
+            return Ok(vec![whole]);
+        }
+        let holds = whole.holds();
+        if decided {
+            whole.leave_open(expected);
+        }
+        let mut found = vec![whole];
+        if holds && !decided {
+            found.extend(self.restarted(line, what)?);
             return Ok(found);
         }
-        let open = !found.iter().all(Exploration::holds);
-        // What must never be is decided by the smallest parts: where they hold, the line holds; where one fails, that may come of
-        // what was left out of it.
-        let each = if open { Explorer::both } else { Explorer::restarted };
-        let of_parts = self.by_parts(line, small, PART, each)?;
-        let decided = !of_parts.is_empty() && of_parts.iter().all(Exploration::holds);
-        if decided {
-            let further = self.options.whole_text();
-            found.iter_mut().for_each(|exploration| exploration.leave_open(&further));
+        if holds {
+            // Without restarts the whole has more to it than they; what is like another part has no states of its own.
+            of_parts.retain(|part| restarts && (part.is_restarted || part.states == 0));
         }
-        found.extend(if open || decided { of_parts } else { self.restarted(line, what)? });
+        found.extend(of_parts);
         Ok(found)
+    }
+
+    /// About how many states are kept of a line, from those of its parts and of the stations that these have in common: as if what a station
+    /// does with one neighbour had nothing to do with what it does with another.
+    fn expected(&self, line: &Line, parts: &[PartFound]) -> Result<u64, LineNotExplorable> {
+        let mut expected: f64 = parts.iter().map(|part| part.kept as f64).product();
+        for id in line.station_ids() {
+            let parts_with = parts.iter().filter(|of| of.part.stations.contains(&id)).count();
+            if parts_with > 1 {
+                let alone = parts::alone(line, id);
+                let kept =
+                    self.one(&self.options.setting(&alone.line), &alone.names(), self.options.limits(STATES))?.kept;
+                expected /= (kept.max(1) as f64).powi(parts_with as i32 - 1);
+            }
+        }
+        Ok(expected as u64)
     }
 
     fn restarted(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {

@@ -12,14 +12,14 @@ use super::larger::{self, PartFound};
 pub type EachPart<'a> = fn(&Explorer<'a>, &Line, &str) -> Result<Vec<Exploration>, LineNotExplorable>;
 
 impl<'a> Explorer<'a> {
-    /// Parts of this line; those that are alike are explored once.
+    /// Parts of this line; those that are alike are explored once. Beside what was found stand the parts, larger ones behind the others.
     pub(super) fn by_parts(
         &self,
         line: &Line,
         parts: Vec<SubLine>,
         what: &str,
         each: EachPart<'a>,
-    ) -> Result<Vec<Exploration>, LineNotExplorable> {
+    ) -> Result<(Vec<Exploration>, Vec<PartFound>), LineNotExplorable> {
         let (mut found, mut explored) = (Vec::new(), Vec::new());
         let number = parts.len();
         for (nth, part) in parts.into_iter().enumerate() {
@@ -31,7 +31,7 @@ impl<'a> Explorer<'a> {
             self.add_larger(line, each, (&mut found, &mut explored))?;
             larger::take_over(&mut found, &explored);
         }
-        Ok(found)
+        Ok((found, explored))
     }
 
     fn add_part(
@@ -43,10 +43,10 @@ impl<'a> Explorer<'a> {
         (found, parts): (&mut Vec<Exploration>, &mut Vec<PartFound>),
     ) -> Result<(), LineNotExplorable> {
         let begins = found.len();
-        let like = parts.iter().find(|other| part.is_like(&other.part)).map(|other| (other.part.names(), other.holds));
-        let holds = like.as_ref().map(|(_, holds)| *holds);
+        let like = parts.iter().find(|other| part.is_like(&other.part));
+        let known = like.map(|other| (other.holds, other.kept));
         let mut explored = match like {
-            Some((other, holds)) => vec![Exploration::like(&part, what, &other, holds)],
+            Some(other) => vec![Exploration::like(&part, what, &other.part.names(), other.holds)],
             None => match each(self, &part.line, &format!("{what}: {}", part.names())) {
                 // A part that is too large leaves its conflicts open, and the others are decided.
                 Err(why) if !matches!(why, LineNotExplorable::Compile(_)) => {
@@ -56,14 +56,15 @@ impl<'a> Explorer<'a> {
             },
         };
         // Arrows join the stations of a part to those outside it; one that is explored alone has none.
-        if what == PART && holds.is_none() {
+        if what == PART && known.is_none() {
             let outside = line.station_ids().filter(|id| !part.stations.contains(id));
             let outside: Vec<String> = outside.map(|id| line.station(id).name.clone()).collect();
             explored.iter_mut().for_each(|exploration| exploration.left_out.extend(outside.iter().cloned()));
         }
-        let holds = holds.unwrap_or_else(|| explored.iter().all(Exploration::holds));
+        let found_now = || (explored.iter().all(Exploration::holds), explored.first().map_or(0, |first| first.kept));
+        let (holds, kept) = known.unwrap_or_else(found_now);
         found.extend(explored);
-        parts.push(PartFound { part, holds, explorations: begins..found.len() });
+        parts.push(PartFound { part, holds, kept, explorations: begins..found.len() });
         Ok(())
     }
 

@@ -12,6 +12,8 @@ pub struct PartFound {
     pub part: SubLine,
     /// All of it holds.
     pub holds: bool,
+    /// States that were kept of it, or of the one that it is like; without restarts where there are explorations without.
+    pub kept: usize,
     pub explorations: Range<usize>,
 }
 
@@ -93,7 +95,7 @@ mod tests {
         let text = linewright_line::TransferLine::default().text();
         let line = linewright_line::parse("line.toml", &text).expect("the shipped line is sound").line;
         let stations = stations.iter().map(|&id| linewright_line::StationId(id)).collect();
-        PartFound { part: SubLine { stations, conflicts: Vec::new(), line }, holds: false, explorations }
+        PartFound { part: SubLine { stations, conflicts: Vec::new(), line }, holds: false, kept: 1, explorations }
     }
 
     /// The larger one may be explored first or last, with restarts or without.

@@ -36,12 +36,12 @@ pub struct ExploreOptions {
     /// Explore the whole line at once instead of its parts.
     #[arg(long)]
     pub whole: bool,
-    /// Most states to keep; beyond, the verdict is undecided, or left to parts of the line [default: 50000000, or 6000000 where
-    /// there are smaller parts; of the orders of an activity 10000000].
+    /// Most states to keep; beyond, the verdict is undecided, or left to parts of the line [default: 50000000, or 6000000 and
+    /// less where there are smaller parts; of the orders of an activity 10000000].
     #[arg(long, value_parser = at_least_1)]
     states: Option<usize>,
     /// Most memory, about, in MiB; beyond, the verdict is undecided.
-    #[arg(long, default_value_t = 3072, value_parser = at_least_1)]
+    #[arg(long, default_value_t = MEMORY, value_parser = at_least_1)]
     memory: usize,
     /// Of a cell: let in only so many parts of each type, as in `A=2,B=1`; others not at all. May be repeated.
     #[arg(long, value_name = "TYPE=N", value_parser = PartList::read)]
@@ -86,6 +86,8 @@ enum SafetyRule {
     MeasuredStop,
 }
 
+/// Most memory in MiB, if the options have none.
+pub const MEMORY: usize = 3072;
 /// Most states to keep, if the options have none.
 pub const STATES: usize = 50_000_000;
 /// The same of the orders of an activity: those of three stations may have six million and more, in which the memory that is usual ends
@@ -93,6 +95,11 @@ pub const STATES: usize = 50_000_000;
 const STATES_OF_ORDERS: usize = 10_000_000;
 /// The same of stations that are explored together where smaller parts of them decide what must never be.
 pub const STATES_TOGETHER: usize = 6_000_000;
+/// The same where they are expected to have many more states than that: what goes wrong within few steps is found all the same.
+pub const STATES_TOGETHER_FEW: usize = 500_000;
+/// So many times as many as [`STATES_TOGETHER`] are many more. Of lines of three stations that were tried, one had three tenths fewer states
+/// than expected, and one had more than three times as many.
+pub const MANY_MORE: u64 = 4;
 
 impl ExploreOptions {
     /// Whether anything is to be explored at all.
@@ -186,12 +193,6 @@ impl ExploreOptions {
         format!(
             "{kept} states are kept, and how many there are is not known. {more}; fewer modes (`--mode auto`) are fewer states"
         )
-    }
-
-    /// How the rest is looked at of stations whose conflicts are decided by parts.
-    pub fn whole_text(&self) -> String {
-        let states = self.limits(STATES).states;
-        format!("for the rest `--whole --states {}` looks at more of them, which takes minutes", states.max(STATES))
     }
 
     /// Help below an undecided rule of an activity's orders: the option that looks further.

@@ -61,7 +61,7 @@ impl CheckProgress {
             text += &format!(": {shown}");
         }
         if states_max > 0 {
-            text += &format!("; {states} looked at, of at most {states_max} that are kept");
+            text += &format!("; {states} looked at, the limit is {states_max}");
         }
         text
     }
@@ -120,7 +120,7 @@ mod tests {
         assert_eq!(what, "visiting states for 70 s: part 2 of 5, smaller part 1 of 3: transfer, clamp_1");
         let looked_at: usize = states.split(' ').next().and_then(|figure| figure.parse().ok()).expect("a number");
         assert!((1..=500).contains(&looked_at), "{states}");
-        assert!(states.ends_with(" looked at, of at most 500 that are kept"), "{states}");
+        assert!(states.ends_with(" looked at, the limit is 500"), "{states}");
         progress.shows("the next search");
         assert_eq!(progress.text(Duration::ZERO), "visiting states for 0 s: the next search");
     }
