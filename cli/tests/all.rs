@@ -6,6 +6,7 @@ mod analyse;
 mod can;
 mod check;
 mod check_cell;
+mod check_parts;
 mod describe;
 mod fuzzed;
 mod processes;
