@@ -17,6 +17,7 @@ mod devices;
 mod expand;
 mod files;
 mod frames;
+mod interface;
 mod interrupts;
 mod io;
 mod load;
@@ -106,6 +107,8 @@ enum CliCommand {
     Console(console::Args),
     /// Inspect and command the nodes of a CAN bus: scan, status, nmt, sdo, monitor, record, replay.
     Can(can::CanArgs),
+    /// List the ROS 2 messages, services and actions of a line with their type hashes, or show one.
+    Interface(interface::Args),
     /// Print the JSON schema of a description, for editors: line, cell or scenario.
     Schema(schema::Args),
     /// Print the completion script of a shell: bash, elvish, fish, powershell or zsh.
@@ -216,6 +219,7 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
         CliCommand::Console(args) => logged(&ros, || asynchronous(async { console::run(args, &ros).await })),
         CliCommand::Can(args) => asynchronous(async move { can::run(args, &ros).await }),
+        CliCommand::Interface(args) => interface::run(&args),
         CliCommand::Schema(args) => schema::run(&args),
         CliCommand::Completions(args) => shell::completions(&args),
         CliCommand::Man(args) => shell::man(&args),

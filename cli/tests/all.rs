@@ -9,6 +9,7 @@ mod check_cell;
 mod check_parts;
 mod describe;
 mod fuzzed;
+mod interface;
 mod processes;
 mod report;
 mod schema;

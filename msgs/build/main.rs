@@ -29,24 +29,52 @@ fn out() -> PathBuf {
 }
 
 fn all() -> Result<String, String> {
-    let mut text = package(Path::new("."), PACKAGE)?;
+    let mut all = Interfaces::default();
+    all.package(Path::new("."), PACKAGE)?;
     for dir in sorted(Path::new("standard"))? {
-        text += &package(&dir, &name_of(&dir))?;
+        all.package(&dir, &name_of(&dir))?;
     }
-    Ok(text)
+    let mut list = String::new();
+    for (name, path) in &all.files {
+        let (type_hash, path) = (all.types.hash(name)?, path.display());
+        list += &format!(
+            "    crate::Interface {{ name: {name:?}, type_hash: {type_hash:?}, definition: \
+             include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/{path}\")) }},\n"
+        );
+    }
+    Ok(all.rust
+        + &format!(
+            "/// All interfaces, in the order of their packages and kinds.\npub const INTERFACES: &[crate::Interface] = &[\n{list}];\n"
+        ))
 }
 
-/// The interfaces below a directory, of which some kinds may be missing.
-fn package(dir: &Path, package: &str) -> Result<String, String> {
-    let mut text = String::new();
-    for kind in ["msg", "srv", "action"].map(|kind| dir.join(kind)).iter().filter(|dir| dir.is_dir()) {
-        for file in sorted(kind)? {
-            let path = file.display();
-            let read = fs::read_to_string(&file).map_err(|e| format!("{path}: {e}"))?;
-            text += &generate::rust(package, &name_of(&file), &read).map_err(|problem| format!("{path}: {problem}"))?;
+/// What is read of all files.
+#[derive(Default)]
+struct Interfaces {
+    rust: String,
+    /// `package/kind/Name`, and the file.
+    files: Vec<(String, PathBuf)>,
+    types: generate::TypeDescriptions,
+}
+
+impl Interfaces {
+    /// The interfaces below a directory, of which some kinds may be missing.
+    fn package(&mut self, dir: &Path, package: &str) -> Result<(), String> {
+        for kind in ["msg", "srv", "action"] {
+            let of_kind = dir.join(kind);
+            if !of_kind.is_dir() {
+                continue;
+            }
+            for file in sorted(&of_kind)? {
+                let at = |problem: String| format!("{}: {problem}", file.display());
+                let read = fs::read_to_string(&file).map_err(|e| at(e.to_string()))?;
+                self.rust += &generate::rust(package, &name_of(&file), &read, &mut self.types).map_err(at)?;
+                let name = file.file_stem().unwrap_or_default().to_string_lossy();
+                self.files.push((format!("{package}/{kind}/{name}"), file));
+            }
         }
+        Ok(())
     }
-    Ok(text)
 }
 
 /// Content of a directory, in the order of names: the same text on every machine.

@@ -17,7 +17,7 @@ mod values;
 pub use bounded::Bounded;
 pub use interfaces::*;
 pub use invalid::{ITEMS_MAX, Invalid, TEXT_BYTES_MAX, cut, fitting};
-pub use message::{RosAction, RosField, RosMessage, RosService};
+pub use message::{Interface, RosAction, RosField, RosMessage, RosService};
 pub use values::{Byte, LISTED_MAX};
 
 /// Package that the messages of this crate belong to on the ROS 2 side.

@@ -9,6 +9,17 @@ pub trait RosField {
     fn check_bounds(&self, path: &str) -> Result<(), Invalid>;
 }
 
+/// An interface as ROS 2 knows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Interface {
+    /// Package, kind and name: `linewright_msgs/msg/StationState`.
+    pub name: &'static str,
+    /// The hash of its structure, names included, as of REP-2016: two nodes with different hashes do not mean the same by a message.
+    pub type_hash: &'static str,
+    /// Text of its file.
+    pub definition: &'static str,
+}
+
 /// A message.
 pub trait RosMessage: RosField + Serialize + for<'de> Deserialize<'de> + Send + Sync + 'static {
     /// ROS 2 package.

@@ -4,3 +4,4 @@ mod golden;
 mod hostile;
 mod interfaces;
 mod samples;
+mod type_hashes;

@@ -8,7 +8,7 @@ mod generate;
 #[test]
 fn a_comment_stands_above_what_it_is_about() {
     let text = "# A drill.\n\n# A remark.\n\n# At rest.\nbyte REST=0\n\n# How\n# deep.\nint32[<=4] depths\n# Name.\nstd_msgs/String name\n";
-    let rust = generate::rust("tools", "Drill.msg", text).expect("an interface");
+    let rust = generate::rust("tools", "Drill.msg", text, &mut Default::default()).expect("an interface");
     let expected = [
         "/// A drill.\n///\n/// `tools/Drill` in ROS 2.\n#[derive(",
         "pub struct Drill {\n    /// How\n    /// deep.\n    pub depths: crate::Bounded<i32, 4>,\n    /// Name.\n    pub name: Text,\n}\n",
@@ -47,13 +47,18 @@ fn what_no_interface_needs_is_refused_with_its_line() {
         ("A.idl", "", "1 sections between lines of `---` do not make a `.idl` file"),
     ];
     for (file, text, expected) in cases {
-        assert_eq!(generate::rust("tools", file, text), Err(expected.to_owned()), "{file}: {text}");
+        assert_eq!(
+            generate::rust("tools", file, text, &mut Default::default()),
+            Err(expected.to_owned()),
+            "{file}: {text}"
+        );
     }
 }
 
 #[test]
 fn a_message_without_fields_has_the_byte_that_ros_gives_it() {
-    let rust = generate::rust("tools", "Go.srv", "---\n# It went.\nbool gone\n").expect("an interface");
+    let rust = generate::rust("tools", "Go.srv", "---\n# It went.\nbool gone\n", &mut Default::default())
+        .expect("an interface");
     assert!(rust.contains("pub struct GoRequest {\n    /// A message without fields is sent as one byte.\n"), "{rust}");
     assert!(rust.contains("pub structure_needs_at_least_one_member: u8,\n}"), "{rust}");
 }
@@ -88,4 +93,20 @@ fn a_ros_workspace_builds_every_file() {
     there.sort();
     listed.sort();
     assert_eq!(listed, there);
+}
+
+/// What a type has inside is part of its hash, so it has to be known.
+#[test]
+fn a_hash_needs_every_type_inside() {
+    let mut types = generate::TypeDescriptions::default();
+    generate::rust("tools", "Drill.msg", "# Which.\nBit bit\n", &mut types).expect("an interface");
+    let missing = "tools/msg/Drill: no description of the type tools/msg/Bit";
+    assert_eq!(types.hash("tools/msg/Drill"), Err(missing.to_owned()));
+    let hash_with = |types: &mut generate::TypeDescriptions, bit: &str| {
+        generate::rust("tools", "Bit.msg", bit, types).expect("an interface");
+        types.hash("tools/msg/Drill").expect("all is known")
+    };
+    let number = hash_with(&mut types, "# In mm.\nint32 length\n");
+    assert_ne!(hash_with(&mut types, "# In mm.\nfloat64 length\n"), number);
+    assert_eq!(hash_with(&mut types, "# Another comment.\nint32 length\n"), number);
 }

@@ -33,8 +33,8 @@ pub enum FieldType {
     /// Eight bits that are no number.
     Byte,
     Text,
-    /// A message, by its name without the package.
-    Message(String),
+    /// A message, by its name, and its package where that is written before it.
+    Message(Option<String>, String),
     /// A sequence, with the most elements it may have.
     Sequence(Box<FieldType>, Option<usize>),
 }
@@ -46,7 +46,7 @@ impl FieldType {
         match self {
             FieldType::Plain(rust) => *rust == "f64",
             FieldType::Sequence(element, _) => element.has_float(with_floats),
-            FieldType::Message(name) => with_floats.contains(&name.as_str()),
+            FieldType::Message(_, name) => with_floats.contains(&name.as_str()),
             FieldType::Byte | FieldType::Text => false,
         }
     }
@@ -106,7 +106,7 @@ fn item(section: &mut MessageSection, doc: Doc, line: &str) -> Result<(), String
             match kind {
                 FieldType::Plain("bool" | "f64")
                 | FieldType::Text
-                | FieldType::Message(_)
+                | FieldType::Message(..)
                 | FieldType::Sequence(..) => {
                     return Err(format!("the constant {name} is no whole number"));
                 }
@@ -143,12 +143,12 @@ fn kind(text: &str) -> Result<FieldType, String> {
     if let Some((_, rust)) = PLAIN.iter().find(|(ros, _)| *ros == text) {
         return Ok(FieldType::Plain(rust));
     }
-    let message = text.rsplit('/').next().unwrap_or(text);
+    let (package, message) = text.rsplit_once('/').map_or((None, text), |(package, name)| (Some(package), name));
     match text {
         "byte" => Ok(FieldType::Byte),
         "string" => Ok(FieldType::Text),
         _ if message.starts_with(|c: char| c.is_ascii_uppercase()) && message.chars().all(|c| c.is_alphanumeric()) => {
-            Ok(FieldType::Message(message.to_owned()))
+            Ok(FieldType::Message(package.map(str::to_owned), message.to_owned()))
         }
         _ => Err(unknown()),
     }

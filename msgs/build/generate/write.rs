@@ -162,7 +162,7 @@ fn rust_type(kind: &FieldType) -> String {
         FieldType::Plain(rust) => (*rust).to_owned(),
         FieldType::Byte => "crate::Byte".to_owned(),
         FieldType::Text => "String".to_owned(),
-        FieldType::Message(name) => rust_name(name),
+        FieldType::Message(_, name) => rust_name(name),
         FieldType::Sequence(element, None) => format!("Vec<{}>", rust_type(element)),
         FieldType::Sequence(element, Some(most)) => format!("crate::Bounded<{}, {most}>", rust_type(element)),
     }

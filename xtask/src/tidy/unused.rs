@@ -9,8 +9,11 @@ pub fn check(member: &WorkspaceMember) -> Vec<String> {
     // Fuzz targets are programs, in the directory where cargo-fuzz looks for them.
     let product = ["src", "fuzz_targets"].map(|dir| sources(&member.dir.join(dir))).concat();
     let tests: String = ["tests", "benches", "examples"].map(|dir| sources(&member.dir.join(dir))).concat();
+    let build = sources(&member.dir.join("build"));
     let mut findings = named(&member.name, &member.manifest, "[dependencies]", &product);
-    findings.extend(named(&member.name, &member.manifest, "[dev-dependencies]", &(product + &tests)));
+    findings.extend(named(&member.name, &member.manifest, "[build-dependencies]", &build));
+    // What a build script does is tested as a module of the tests.
+    findings.extend(named(&member.name, &member.manifest, "[dev-dependencies]", &(product + &tests + &build)));
     findings
 }
 
