@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_line::StationId;
 use linewright_proof::generate::{self, LineShape};
-use linewright_recovery::{PanelButton, RecoveryAction, RecoveryStep, plan};
+use linewright_recovery::{LineSituation, PanelButton, RecoveryAction, RecoveryStep, plan};
 use linewright_simulation::{LineSim, NodeProcess, OperatorAction};
 use linewright_testkit::built::transfer_line;
 
@@ -105,3 +105,74 @@ fn a_press_that_moves_nothing_has_its_reason() {
         );
     }
 }
+
+/// A station is killed at some moment of the cycle, and started again.
+fn killed(at: u64, station: u16) -> LineSim {
+    let mut sim = in_auto(&transfer_line(), 1, Duration::from_millis(at));
+    let node = NodeProcess::Station(StationId(station));
+    for action in [OperatorAction::Kill(node), OperatorAction::Restart(node)] {
+        sim.act(action).expect("it is done");
+        run_for(&mut sim, Duration::from_secs(3));
+    }
+    sim
+}
+
+/// Where *advance* moves nothing that is seen to arrive, it is not called the longer way.
+#[test]
+fn back_is_called_shorter_only_where_on_moves_something() {
+    let (mut shorter, mut unseen) = (0, 0);
+    let moments = (0..2_400).step_by(20).flat_map(|at| [0, 1].map(|station| (at, station)));
+    for sim in moments.map(|(at, station)| killed(at, station)) {
+        let (line, now) = (sim.line(), situation(&sim));
+        let found = plan(line, &now);
+        let all = found.steps.iter().zip(found.reasons(line, &now));
+        for (step, why) in all.filter_map(|(step, why)| Some((step, why?.text(line)))) {
+            let RecoveryAction::Press(station, _) = step.action else { continue };
+            let on = plan(line, &LineSituation { lead_on: vec![station], ..now.clone() });
+            let is_press = |of: &&RecoveryStep| of.action == RecoveryAction::Press(station, PanelButton::Advance);
+            let Some(on) = on.steps.iter().find(is_press) else { continue };
+            let is_seen = !on.moves.is_empty() && !on.is_doubtful;
+            if why.ends_with("back is shorter than on") {
+                shorter += 1;
+                assert!(is_seen, "{why}: {on:?}");
+            }
+            if why.ends_with("no motion would be seen to arrive") {
+                unseen += 1;
+                assert!(!is_seen, "{why}: {on:?}");
+            }
+        }
+    }
+    assert!(shorter > 0 && unseen > 0, "{shorter} {unseen}");
+}
+
+/// From panel to panel and back is walked only where another station is waited for: all are led home here.
+#[test]
+fn presses_of_a_station_stand_together_where_the_order_is_free() {
+    let (mut lists, mut parted) = (0, 0);
+    for seed in 0..60 {
+        let line = generate::line(&LineShape { irreversible: 60, ..LineShape::default() }, seed);
+        let mut sim = in_auto(&line, seed, Duration::from_millis(1_000 + 137 * seed));
+        let node = NodeProcess::Station(StationId(0));
+        for action in [OperatorAction::Kill(node), OperatorAction::RestartEmpty(node)] {
+            sim.act(action).expect("it is done");
+            run_for(&mut sim, Duration::from_secs(3));
+        }
+        let found = plan(sim.line(), &situation(&sim));
+        let presses = found.steps.iter().filter(|step| matches!(step.action, RecoveryAction::Press(..)));
+        let mut runs: Vec<StationId> = presses.filter_map(|step| step.action.station()).collect();
+        let count = runs.len();
+        runs.dedup();
+        let (mut names, walks) = (runs.clone(), runs.len());
+        names.sort_unstable();
+        names.dedup();
+        lists += usize::from(names.len() > 1 && count > names.len());
+        parted += walks - names.len();
+    }
+    assert!(lists > 0, "some have several presses of one station beside those of another");
+    assert_eq!((lists, parted), (LISTS, PARTED));
+}
+
+/// Lists with several presses of a station beside those of another; and how often in them a station is left and come back to, since
+/// another one is in its way.
+const LISTS: usize = 0;
+const PARTED: usize = 0;

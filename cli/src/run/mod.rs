@@ -132,10 +132,11 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     if !args.no_plant {
         scratch.machine_note(&line).into_iter().for_each(|note| session.note(note));
     }
-    if let Some(note) = lost {
+    for note in lost.into_iter().chain(scratch.unfinished().filter(|_| !args.no_auto)) {
         session.note(note);
         session.auto_once = AutoOnce::by_others();
     }
+    scratch.begin()?;
     let dir = args.state_dir.as_deref().filter(|_| cell.is_none());
     if let Some(note) = dir.and_then(|dir| not_recorded(dir, &line)) {
         // It stands as long as the run, above the picture.
@@ -148,8 +149,9 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
         Err(error) => Err(error),
     };
     children.end().await;
+    let at_home = outcome.is_ok();
     let code = session.report(&args, outcome, children.restarts())?;
-    scratch.end(code == ExitCode::SUCCESS);
+    scratch.end(at_home, code == ExitCode::SUCCESS);
     Ok(code)
 }
 
