@@ -73,7 +73,8 @@ pub struct Args {
     /// The CAN interface of the line's bus.
     #[arg(long, default_value = DEFAULT_BUS)]
     bus: String,
-    /// Directory of journals and logs, from which the run goes on [default: a new temporary one].
+    /// Directory of journals and logs, from which the run goes on; it gives no auto where the run before in it has not ended at home
+    /// [default: a new temporary one].
     #[arg(long)]
     state_dir: Option<PathBuf>,
     /// Days for which the database keeps what happens; without this everything is kept.

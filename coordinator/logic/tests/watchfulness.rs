@@ -67,20 +67,6 @@ fn a_station_restarted_in_auto_or_hand_means_stand_by_until_somebody_has_looked(
     }
 }
 
-/// Start is no way from there: what is incomplete is led in manual, where the station is looked at.
-#[test]
-fn a_restarted_station_with_an_incomplete_operation_asks_for_manual_alone() {
-    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
-    bench.heard[1].boot_id += 1;
-    bench.heard[1].incomplete = true;
-    bench.beat();
-    let texts = [bench.coordinator.text(), bench.command(ModeCommand::Auto).expect("it is incomplete")];
-    for text in texts {
-        assert!(text.contains("clamp_1: operation incomplete") && !text.contains("give start"), "{text}");
-    }
-    assert_eq!(bench.coordinator.standing().restarted, [StationId(1)]);
-}
-
 /// The reason that has ended auto is none any more where manual has been gone through.
 #[test]
 fn a_restart_that_has_been_looked_at_in_manual_asks_for_no_start() {
