@@ -9,7 +9,6 @@ use linewright_simulation::{LineSim, NodeProcess, OperatorAction};
 use linewright_testkit::built::transfer_line;
 
 use crate::brute_force::disturbed;
-use crate::cells::{half_way, shipped};
 use crate::operator::{in_auto, run_for, situation};
 
 /// The presses of a plan, each with its reason.
@@ -141,22 +140,4 @@ fn back_is_called_shorter_only_where_on_moves_something() {
         }
     }
     assert!(unseen > 0, "some stand where their motion ends");
-}
-
-/// Nobody walks from panel to panel and back for stations that do not wait for each other.
-#[test]
-fn presses_of_a_station_stand_together_where_the_order_is_free() {
-    let [(_, line), _] = shipped();
-    let mut seen = half_way(&line);
-    seen.stations.iter_mut().flatten().for_each(|report| report.placed = false);
-    let found = plan(&line, &seen);
-    let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
-    let is_at_panel =
-        |step: &&RecoveryStep| matches!(step.action, RecoveryAction::Press(..) | RecoveryAction::Rejoin { .. });
-    let led: Vec<StationId> = found.steps.iter().filter(is_at_panel).filter_map(|of| of.action.station()).collect();
-    for name in ["m1", "m2", "m3"] {
-        let its = |id: &StationId| line.station(*id).name == name;
-        let walks = led.chunk_by(|a, b| a == b).filter(|walk| its(&walk[0])).count();
-        assert!(led.iter().filter(|id| its(id)).count() > 1 && walks == 1, "{name}: {texts:#?}");
-    }
 }

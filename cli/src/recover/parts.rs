@@ -32,14 +32,14 @@ fn of_cell(cell: &CellState) -> Vec<String> {
     let in_failed = |part: u64| cell.activities.as_slice().iter().any(|of| of.part == part && !of.running);
     let lines = cell.parts.as_slice().iter().map(|of| {
         let check = if in_failed(of.id) { ": look where it is; the answer to its alarm says so" } else { "" };
-        format!("       part {}: {}{check}", of.id, of.place)
+        format!("  part {}: {}{check}", of.id, of.place)
     });
     let mut lines: Vec<String> =
         std::iter::once("parts, as the coordinator has them; see that they are there:".to_owned())
             .chain(lines)
             .collect();
     let more = (cell.parts_inside as usize).saturating_sub(cell.parts.as_slice().len());
-    lines.extend((more > 0).then(|| format!("       and {more} more")));
+    lines.extend((more > 0).then(|| format!("  and {more} more")));
     lines
 }
 
@@ -68,9 +68,9 @@ mod tests {
         let led = RecoveryPlan::ends(vec![press], RecoveryEnd::Auto);
         let of_cell = lines(&led, Some(&cell));
         assert_eq!(of_cell.len(), 3);
-        assert_eq!(of_cell[1], "       part 1: in ST");
+        assert_eq!(of_cell[1], "  part 1: in ST");
         assert!(
-            of_cell[2].starts_with("       part 2: `load M1`") && of_cell[2].contains("look where it is"),
+            of_cell[2].starts_with("  part 2: `load M1`") && of_cell[2].contains("look where it is"),
             "{of_cell:?}"
         );
         assert_eq!(lines(&led, None), [NOT_KNOWN]);

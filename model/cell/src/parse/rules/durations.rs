@@ -105,7 +105,7 @@ pub(super) fn works_have_times(draft: &DraftCell<'_>, report: &mut Report) {
         let work = draft.activities.iter().find(is_its);
         if work.and_then(|work| charted_time(draft, work)).is_none() {
             let problem =
-                Problem::error(raw.at.clone(), "a resource of a step needs `time_s`").label("no `time_s` here");
+                Problem::error(raw.at.clone(), "a resource of a step needs `time_s`").label("its time is not known");
             report.add(problem.hint(
                 "write `time_s = …`. Nominal time there, in seconds, up to a day; without it the operations of its station's task have to \
                  be known, and to take no program",
