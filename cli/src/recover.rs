@@ -4,8 +4,10 @@
 
 mod json;
 mod newest;
+mod parts;
 mod progress;
 mod publish;
+mod shown;
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -27,7 +29,8 @@ use crate::watch::{Screen, next_of};
 use json::RecoveryJson;
 pub use newest::NewestPlan;
 use newest::ReasonedPlan;
-use progress::{PressFailures, newly_done};
+use progress::{DoneSteps, PressFailures};
+use shown::ShownList;
 
 /// Time within which all are to be received.
 const HEARD_WITHIN: Duration = Duration::from_secs(5);
@@ -37,7 +40,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(250);
 /// Show what has to be done until the line is in auto again.
 #[derive(Debug, ClapArgs)]
 #[command(
-    after_help = "Each line is one thing to do: a command, a button to hold at the panel of a station, a position to confirm, or what no command does. It moves nothing by itself. The plan is made anew after every change; it ends when auto is in force."
+    after_help = "Each line is one thing to do: a command, a button to hold at the panel of a station, a position to confirm, or what no command does. It moves nothing by itself. The plan is made anew after every change; it ends when auto is in force, at once where it is already: with --wait it waits for a fault first."
 )]
 pub struct Args {
     /// The directory of a line or cell, or its description file.
@@ -51,6 +54,9 @@ pub struct Args {
     /// Publish the plan on `~/recovery_plan`, and answer requests for it, until Ctrl-C. For consoles.
     #[arg(long, conflicts_with_all = ["once", "json"])]
     publish: bool,
+    /// Where auto is in force, wait for a fault, until Ctrl-C; then show the plan until auto is in force again.
+    #[arg(long, conflicts_with_all = ["once", "json", "publish"])]
+    wait: bool,
     /// Lead this station on where it could be led back as well; may be given several times.
     #[arg(long, value_name = "STATION")]
     on: Vec<String>,
@@ -84,7 +90,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         if args.json {
             crate::out::json(&RecoveryJson::of(&client, &path, found))?;
         } else {
-            crate::out::say!("{}", picture(&client, &path, &PictureOf::once(found)).join("\n"));
+            crate::out::say!("{}", picture(&client, cell.as_ref(), &path, &PictureOf::once(found)).lines().join("\n"));
         }
         let leads_there = found.is_some_and(|found| found.plan.leads_to_auto());
         if let Some(searched) = newest.searching() {
@@ -101,25 +107,26 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         }
         return Ok(if is_all && leads_there { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
-    follow(&mut client, cell, newest, &path).await
+    follow(&mut client, cell, newest, &path, args.wait).await
 }
 
 /// In place of a plan that is looked for, after a time in which the one before is shown.
 const SEARCHING: &str = "the way back is looked for";
 const SHOWN_AFTER: Duration = Duration::from_secs(1);
 
-/// Shows the plan until auto is in force.
+/// Shows the plan until auto is in force; with `waits`, until it is again after a fault.
 async fn follow(
     client: &mut OperatorClient,
     mut cell: Option<CellClient>,
     mut newest: NewestPlan,
     path: &str,
+    mut waits: bool,
 ) -> miette::Result<ExitCode> {
     let mut screen = if std::io::stdout().is_terminal() { Some(Screen::open()?) } else { None };
     let mut interrupts = Interrupts::listen()?;
     let mut looks = tokio::time::interval(LOOK_EVERY);
-    let (mut done, mut shown, mut before): (Vec<String>, Vec<String>, Option<ReasonedPlan>) = Default::default();
-    let (mut failures, mut has_changed) = (PressFailures::default(), true);
+    let (mut done, mut shown, mut failures) = (DoneSteps::default(), ShownList::default(), PressFailures::default());
+    let (mut has_changed, mut is_at_once) = (true, true);
     loop {
         tokio::select! {
             heard = client.next() => has_changed |= !matches!(heard?, StateUpdate::Event(..)),
@@ -129,37 +136,60 @@ async fn follow(
             }
             _ = looks.tick() => if std::mem::take(&mut has_changed) {
                 let found = newest.look(client, cell.as_ref()).cloned();
+                let is_searching = newest.searching().is_some();
                 if let Some(searching) = newest.searching() {
                     has_changed = true;
-                    if searching < SHOWN_AFTER || shown.last().is_some_and(|last| last == SEARCHING) {
+                    if searching < SHOWN_AFTER || shown.tail.last().is_some_and(|last| last == SEARCHING) {
                         continue;
                     }
                 }
-                if let (Some(before), Some(now)) = (&before, &found) {
-                    done.extend(newly_done(client.line(), &before.plan, &now.plan));
+                if let Some(found) = &found {
+                    done.note(client.line(), &found.plan);
                 }
                 let next = found.as_ref().and_then(|found| found.plan.steps.get(found.plan.behind_signals()?));
                 failures.note(next, |id| newest.moves(id), |id| client.station(id).is_some_and(comes_again));
                 let commands = if screen.is_some() { Commands::First } else { Commands::AllAgain };
-                let of = PictureOf { done: &done, found: found.as_ref(), commands, failed: failures.count() };
-                let mut lines = picture(client, path, &of);
-                lines.extend(newest.searching().map(|_| SEARCHING.to_owned()));
-                match &mut screen {
-                    Some(screen) => screen.show(&lines)?,
-                    None if lines != shown => crate::out::say!("{}\n", lines.join("\n")),
-                    None => {}
+                let of = PictureOf { done: done.texts(), found: found.as_ref(), commands, failed: failures.count() };
+                let mut now = picture(client, cell.as_ref(), path, &of);
+                let is_done = found.as_ref().is_some_and(ReasonedPlan::is_done);
+                if is_done && waits {
+                    now.tail.push("waits for a fault, until Ctrl-C".to_owned());
                 }
-                shown = lines;
-                if found.as_ref().is_some_and(ReasonedPlan::is_done) {
+                if is_searching {
+                    now.tail.push(SEARCHING.to_owned());
+                    // Of a printed list the steps stay what the next one is compared with.
+                    if screen.is_none() {
+                        now.steps.clone_from(&shown.steps);
+                    }
+                }
+                match &mut screen {
+                    Some(screen) => screen.show(&now.lines())?,
+                    None => {
+                        let new = now.changes(&shown);
+                        if !new.is_empty() {
+                            crate::out::say!("{}\n", new.join("\n"));
+                        }
+                    }
+                }
+                shown = now;
+                if is_done && !waits {
                     drop(screen);
-                    crate::out::say!("auto is in force");
+                    crate::out::say!("{}", if is_at_once { nothing_to_recover(path) } else { "auto is in force".to_owned() });
                     return Ok(ExitCode::SUCCESS);
                 }
-                before = found.or(before);
+                if found.is_some() && !is_done {
+                    (waits, is_at_once) = (false, false);
+                }
             },
             () = interrupts.next() => return Ok(ExitCode::FAILURE),
         }
     }
+}
+
+/// What is said where auto was in force from the beginning.
+fn nothing_to_recover(path: &str) -> String {
+    let wait = typed_words(&["recover", path, "--wait"].map(str::to_owned));
+    format!("auto is in force, so there is nothing to recover; `{wait}` waits for a fault and lists then what to do")
 }
 
 /// The arguments of each command for a step, for a line in the directory `path`.
@@ -264,13 +294,14 @@ impl<'p> PictureOf<'p> {
 }
 
 /// The plan as lines of text.
-fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<String> {
+fn picture(client: &OperatorClient, cell: Option<&CellClient>, path: &str, of: &PictureOf<'_>) -> ShownList {
     let (line, &PictureOf { done, found, commands, failed }) = (client.line(), of);
-    let mut lines = match client.coordinator() {
+    let cell = cell.and_then(CellClient::heard_lately);
+    let mut head = match client.coordinator() {
         Some(state) => vec![format!("{} — mode: {}", line.title, state.text)],
         None => vec![format!("{}: no state received from the coordinator: start it", line.title)],
     };
-    lines.extend(client.coordinator().and_then(|state| match commands {
+    head.extend(client.coordinator().and_then(|state| match commands {
         Commands::AllAgain if state.refusal.is_empty() => None,
         // Without its age, which makes no other list.
         Commands::AllAgain => Some(format!("last refusal: {}", state.refusal)),
@@ -278,19 +309,21 @@ fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<Strin
     }));
     let is_over = found.is_some_and(ReasonedPlan::is_done);
     let causes = if is_over { Vec::new() } else { causes(line, |id| client.station(id)) };
-    lines.extend(cause_lines(line, &causes, found.map_or(&[], |found| &found.signals_off)));
-    lines.extend(done.iter().map(|text| format!(" done  {text}")));
-    lines.extend(client.other_descriptions());
-    let Some(found) = found else { return lines };
+    head.extend(cause_lines(line, &causes, found.map_or(&[], |found| &found.signals_off)));
+    head.extend(done.iter().map(|text| format!(" done  {text}")));
+    head.extend(client.other_descriptions());
+    let (mut steps, mut tail) = (Vec::new(), Vec::new());
+    let Some(found) = found else { return ShownList { head, steps, tail } };
     let (plan, next) = (&found.plan, found.plan.behind_signals());
-    lines.extend(plan.led.iter().map(|led| led.text(line)));
-    lines.extend(plan.begin_text(line));
-    lines.extend(plan.led_back.iter().flat_map(|back| {
+    head.extend(parts::lines(plan, cell));
+    head.extend(plan.led.iter().map(|led| led.text(line)));
+    head.extend(plan.begin_text(line));
+    head.extend(plan.led_back.iter().flat_map(|back| {
         let other_way = back.presses_on.map(|_| format!("   other way: {}", typed_words(&led_on(line, path, back))));
         std::iter::once(back.text(line)).chain(other_way)
     }));
     for (at, (step, why)) in plan.steps.iter().zip(&found.reasons).enumerate() {
-        lines.push(format!("{:>5}. {}", at + 1, step.text(line)));
+        let mut lines = vec![step.text(line)];
         lines.extend(why.iter().map(|why| format!("       since {why}")));
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
         let failed = if Some(at) == next { failed_again(client, (step, found.returns_home), failed) } else { None };
@@ -306,18 +339,29 @@ fn picture(client: &OperatorClient, path: &str, of: &PictureOf<'_>) -> Vec<Strin
         if at == 0 {
             lines.extend(refused(client, step).map(|why| format!("       refused: {why}")));
         }
+        steps.push(lines);
     }
-    lines.extend(plan.end_text(line));
-    lines.extend(plan.shorter_text().map(str::to_owned));
+    tail.extend(plan.end_text(line));
+    tail.extend(plan.shorter_text().map(str::to_owned));
     if is_over {
-        lines.push("nothing to do".to_owned());
-        let left_out = client.coordinator().map(|state| state.left_out.join(", ")).filter(|names| !names.is_empty());
-        lines.extend(left_out.map(|names| {
-            let path = crate::out::shell_word(path);
-            format!("left out: {names}; why, and what brings it back: `linewright resource {path}` and `linewright why {path}`")
-        }));
+        tail.push("nothing to do".to_owned());
     }
-    lines
+    tail.extend(out_of_service(path, cell.map_or(&[], |cell| cell.down.as_slice())));
+    ShownList { head, steps, tail }
+}
+
+/// The resources that are out of service, and what counts on them again: no mode does.
+fn out_of_service(path: &str, down: &[String]) -> Vec<String> {
+    let command = |words: &[&str]| {
+        let words: Vec<String> = ["resource", path].iter().chain(words).map(|&word| word.to_owned()).collect();
+        typed_words(&words)
+    };
+    if down.is_empty() {
+        return Vec::new();
+    }
+    let why = format!("out of service: {}; since when and why: `{}`", down.join(", "), command(&[]));
+    let up = down.iter().map(|name| format!("       when {name} can be counted on: `{}`", command(&[name, "up"])));
+    std::iter::once(why).chain(up).collect()
 }
 
 /// What stands in place of the command of a press that has failed twice: the cause.
@@ -384,6 +428,15 @@ mod tests {
         };
         let answer = step(RecoveryAction::First(Need::Answer(alarm)));
         assert_eq!(typed(&line(), "l", &answer), ["linewright answer l 3 as-done", "linewright answer l 3 as-before"]);
+    }
+
+    /// Auto leaves out what an alarm by hand has taken out.
+    #[test]
+    fn a_resource_that_is_out_of_service_has_the_command_that_counts_on_it_again() {
+        assert!(out_of_service("my cell", &[]).is_empty());
+        let [why, up] = &out_of_service("my cell", &["M1".to_owned()])[..] else { panic!("one resource") };
+        assert!(why.contains("out of service: M1") && why.contains("`linewright resource \"my cell\"`"), "{why}");
+        assert!(up.contains("`linewright resource \"my cell\" M1 up`"), "{up}");
     }
 
     #[test]

@@ -14,6 +14,8 @@ fn what_is_new_is_right_and_can_be_simulated() {
         ("transfer-line", &["--cycles", "2"][..]),
         ("rotary-table", &["--cycles", "2"]),
         ("cell", &["--parts", "bowl=3"]),
+        ("empty-line", &["--cycles", "2"]),
+        ("empty-cell", &["--parts", "A=2"]),
     ] {
         let scratch = Scratch::new();
         let dir = scratch.path("d");

@@ -30,6 +30,7 @@ mod desk;
 mod distance;
 mod ends;
 mod first;
+mod grouped;
 mod image;
 mod led_back;
 mod order;

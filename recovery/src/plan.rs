@@ -13,6 +13,7 @@ use crate::by_hand;
 use crate::desk::Desk;
 use crate::ends::{CommonEnds, LedActivity};
 use crate::first::{before_all, fault_signals, held, planned};
+use crate::grouped::grouped;
 use crate::image;
 use crate::led_back::{self, LedBack};
 use crate::restore::{RestoreMisfit, is_unknown, unit};
@@ -354,7 +355,9 @@ pub(crate) fn by_commands_and_presses(
     let search = |kept| Search::new(&floor, (&stay, situation), !by_selectors, (&ends, kept), &accepted);
     let (all_kept, mut failed) = (ends.kept(), Vec::new());
     let way = all_kept.iter().find_map(|kept| {
-        let found = search(kept).run(&desk.units).map_err(|none| failed.push(none)).ok()?;
+        let search = search(kept);
+        let mut found = search.run(&desk.units).map_err(|none| failed.push(none)).ok()?;
+        found.moves = grouped(&search, &desk.units, found.moves);
         Some((kept, found))
     });
     let is_certain = failed.iter().all(|none| none.is_certain);

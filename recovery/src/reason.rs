@@ -50,6 +50,8 @@ pub(crate) enum OwnReason {
 pub(crate) enum BackReason {
     /// *Advance* moves nothing there.
     NoWayOn,
+    /// The mechanism stands at the end of what *advance* would do: nothing would be seen to arrive.
+    EndNotSeen,
     Shorter,
 }
 
@@ -141,6 +143,7 @@ impl RecoveryPlan {
         let is_on_the_way = units[station.index()].report.recovering_home;
         let is_back = button == PanelButton::Return && is_stopped && otherwise.is_none() && !is_on_the_way;
         let back = is_back.then(|| match floor.press(units, station.index(), PanelButton::Advance) {
+            Some(on) if on.motions.is_empty() || on.is_doubtful => BackReason::EndNotSeen,
             Some(_) => BackReason::Shorter,
             None => BackReason::NoWayOn,
         });

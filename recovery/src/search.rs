@@ -233,6 +233,31 @@ impl<'f, 'l> Search<'f, 'l> {
         Some(Move::of(RecoveryAction::Resume, motions, time, units))
     }
 
+    /// The same moves from `start` in this order; none where one of them is refused there, or does something else, or they do not lead
+    /// to the goal.
+    pub fn replayed(&self, start: &PlayedStations, order: &[Move]) -> Option<Vec<Move>> {
+        let mut units = start.clone();
+        let mut played = Vec::with_capacity(order.len());
+        for made in order {
+            let is_same = |of: &Move| {
+                let (motions, again) = (&made.motions, &of.motions);
+                of.action == made.action
+                    && motions == again
+                    && (of.is_doubtful, of.homes) == (made.is_doubtful, made.homes)
+            };
+            let again = match made.action.station() {
+                Some(station) => self.actions(&units, station.index()).into_iter().find(is_same)?,
+                None => self.resumed(&units).filter(is_same)?,
+            };
+            if !self.ends.permit(self.floor.line, &units, &again.after, self.kept) {
+                return None;
+            }
+            units.clone_from(&again.after);
+            played.push(again);
+        }
+        self.is_goal(&units).then_some(played)
+    }
+
     /// Every action of a station that has an effect.
     fn actions(&self, units: &PlayedStations, station: usize) -> Vec<Move> {
         let id = StationId::at(station);

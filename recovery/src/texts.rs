@@ -261,6 +261,7 @@ impl StepReason {
         }));
         parts.extend(self.back.map(|back| match back {
             BackReason::NoWayOn => "advance does not move it".to_owned(),
+            BackReason::EndNotSeen => "on, its switch is on already, and no motion would be seen to arrive".to_owned(),
             BackReason::Shorter => "back is shorter than on".to_owned(),
         }));
         parts.join("; ")

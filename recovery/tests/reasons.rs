@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_line::StationId;
 use linewright_proof::generate::{self, LineShape};
-use linewright_recovery::{PanelButton, RecoveryAction, RecoveryStep, plan};
+use linewright_recovery::{LineSituation, PanelButton, RecoveryAction, RecoveryStep, plan};
 use linewright_simulation::{LineSim, NodeProcess, OperatorAction};
 use linewright_testkit::built::transfer_line;
 
@@ -104,4 +104,40 @@ fn a_press_that_moves_nothing_has_its_reason() {
             format!("{name} is on its recovery path, and stands at the end of it: this press ends the path")
         );
     }
+}
+
+/// A station is killed at some moment of the cycle, and started again.
+fn killed(at: u64, station: u16) -> LineSim {
+    let mut sim = in_auto(&transfer_line(), 1, Duration::from_millis(at));
+    let node = NodeProcess::Station(StationId(station));
+    for action in [OperatorAction::Kill(node), OperatorAction::Restart(node)] {
+        sim.act(action).expect("it is done");
+        run_for(&mut sim, Duration::from_secs(3));
+    }
+    sim
+}
+
+/// Where *advance* moves nothing that is seen to arrive, it is not called the longer way.
+#[test]
+fn back_is_called_shorter_only_where_on_moves_something() {
+    let mut unseen = 0;
+    let moments = (0..2_400).step_by(20).flat_map(|at| [0, 1].map(|station| (at, station)));
+    for sim in moments.map(|(at, station)| killed(at, station)) {
+        let (line, now) = (sim.line(), situation(&sim));
+        let found = plan(line, &now);
+        let all = found.steps.iter().zip(found.reasons(line, &now));
+        for (step, why) in all.filter_map(|(step, why)| Some((step, why?.text(line)))) {
+            let RecoveryAction::Press(station, _) = step.action else { continue };
+            let on = plan(line, &LineSituation { lead_on: vec![station], ..now.clone() });
+            let is_press = |of: &&RecoveryStep| of.action == RecoveryAction::Press(station, PanelButton::Advance);
+            let Some(on) = on.steps.iter().find(is_press) else { continue };
+            let is_seen = !on.moves.is_empty() && !on.is_doubtful;
+            assert!(is_seen || !why.ends_with("back is shorter than on"), "{why}: {on:?}");
+            if why.ends_with("no motion would be seen to arrive") {
+                unseen += 1;
+                assert!(!is_seen, "{why}: {on:?}");
+            }
+        }
+    }
+    assert!(unseen > 0, "some stand where their motion ends");
 }

@@ -21,7 +21,7 @@ pub struct Args {
 }
 
 /// The names of the kinds.
-const KINDS: [&str; 3] = ["transfer-line", "rotary-table", "cell"];
+const KINDS: [&str; 5] = ["transfer-line", "rotary-table", "cell", "empty-line", "empty-cell"];
 
 #[derive(Debug, Subcommand)]
 enum NewKind {
@@ -31,6 +31,10 @@ enum NewKind {
     RotaryTable(NewTarget),
     /// A flexible cell: a rack, a washer, a dryer, and a robot that carries parts between them.
     Cell(NewTarget),
+    /// The smallest line: one station with one motion out and back, and where to go on from there.
+    EmptyLine(NewTarget),
+    /// The smallest flexible cell: one machine to which parts are brought by hand, and where to go on from there.
+    EmptyCell(NewTarget),
     /// None of these.
     #[command(external_subcommand)]
     Other(Vec<String>),
@@ -120,6 +124,16 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
             let line = include_str!("washing-cell/line.toml");
             let dir = place.write("washing-cell", &[("cell.toml", cell), ("line.toml", line)])?;
             next(&dir, " --parts bowl=3");
+        }
+        NewKind::EmptyLine(place) => {
+            let dir = place.write("empty-line", &[("line.toml", include_str!("empty-line/line.toml"))])?;
+            next(&dir, "");
+        }
+        NewKind::EmptyCell(place) => {
+            let cell = include_str!("empty-cell/cell.toml");
+            let line = include_str!("empty-cell/line.toml");
+            let dir = place.write("empty-cell", &[("cell.toml", cell), ("line.toml", line)])?;
+            next(&dir, " --parts A=2");
         }
         NewKind::Other(words) => return Err(no_kind(words)),
     }

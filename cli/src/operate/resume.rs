@@ -27,9 +27,7 @@ pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Resu
         let unheard: Vec<&str> = client.unheard().collect();
         let why = match is_all_heard {
             true => NOTHING_INCOMPLETE.to_owned(),
-            false => {
-                format!("{NOTHING_INCOMPLETE} at the stations received; nothing is received of {}", unheard.join(", "))
-            }
+            false => format!("nothing is received of {}; at the others {NOTHING_INCOMPLETE}", unheard.join(", ")),
         };
         return answer(&client, args, &all, PressOutcome::Refused(why));
     }

@@ -10,17 +10,54 @@ fn is_wait(step: &RecoveryStep) -> bool {
     is_wait || step.is_fault_signal()
 }
 
+/// What was done while plans were followed.
+#[derive(Debug, Default)]
+pub struct DoneSteps {
+    texts: Vec<String>,
+    /// The plan that the next one is compared with.
+    before: Option<RecoveryPlan>,
+}
+
+impl DoneSteps {
+    /// The steps that were done, in their order.
+    pub fn texts(&self) -> &[String] {
+        &self.texts
+    }
+
+    /// Takes the newest plan. Whether an answer is taken shows when sensors were compared with it: until then nothing is counted.
+    pub fn note(&mut self, line: &Line, now: &RecoveryPlan) {
+        if let Some(before) = &self.before {
+            let done = newly_done(before, now);
+            let is_answer = |step: &RecoveryStep| matches!(step.action, RecoveryAction::First(Need::Answer(_)));
+            if now.is_unsettled() && done.iter().any(is_answer) {
+                return;
+            }
+            self.texts.extend(done.iter().map(|step| done_text(line, step)));
+        }
+        self.before = Some(now.clone());
+    }
+}
+
+/// A step that was done. The text of an alarm is of before its answer.
+fn done_text(line: &Line, step: &RecoveryStep) -> String {
+    match &step.action {
+        RecoveryAction::First(Need::Answer(alarm)) => format!("alarm {} was answered", alarm.id),
+        _ => step.text(line),
+    }
+}
+
 /// The first steps of a plan that its successor does not have any more, if the rest is the same.
-pub fn newly_done(line: &Line, before: &RecoveryPlan, now: &RecoveryPlan) -> Vec<String> {
+fn newly_done(before: &RecoveryPlan, now: &RecoveryPlan) -> Vec<RecoveryStep> {
     let steps = |plan: &RecoveryPlan| -> Vec<RecoveryStep> {
         plan.steps.iter().filter(|step| !is_wait(step)).cloned().collect()
     };
-    let (was, is) = (steps(before), steps(now));
+    let (mut was, is) = (steps(before), steps(now));
     let Some(done) = was.len().checked_sub(is.len()).filter(|done| *done > 0) else { return Vec::new() };
     if !was[done..].iter().zip(&is).all(|(was, is)| is_same(&was.action, &is.action)) {
         return Vec::new();
     }
-    was[..done].iter().map(|step| step.text(line)).collect()
+    was.truncate(done);
+    was
 }
 
 /// Whether two actions are the same thing to do. The text of an alarm changes with what is done for it, as when a station has come to rest.
@@ -109,39 +146,56 @@ mod tests {
         step(RecoveryAction::Command(ModeCommand::Auto), Vec::new(), ControlMode::Auto)
     }
 
+    fn alarm(id: u64, text: &str) -> RecoveryStep {
+        let alarm = StandingAlarm {
+            id,
+            text: text.to_owned(),
+            answers: Vec::new(),
+            lead: Vec::new(),
+            reset: Vec::new(),
+            at_order: Vec::new(),
+            end: None,
+            bring: None,
+        };
+        step(RecoveryAction::First(Need::Answer(alarm)), Vec::new(), ControlMode::Manual)
+    }
+
     fn moves(station: u16) -> RecoveryStep {
         step(RecoveryAction::First(Need::Standstill(StationId(station))), Vec::new(), ControlMode::Hand)
     }
 
     #[test]
     fn what_is_no_step_any_more_was_done_and_what_was_waited_for_was_not() {
-        let line = linewright_line::parse("line.toml", &linewright_line::TransferLine::default().text());
-        let line = line.expect("parses").line;
         let before = plan(vec![press(), auto()]);
         // While it is held, and while more than that is to be done.
-        assert!(newly_done(&line, &before, &before).is_empty());
-        let done = newly_done(&line, &before, &plan(vec![auto()]));
-        assert_eq!(done, [press().text(&line)]);
+        assert!(newly_done(&before, &before).is_empty());
+        let done = newly_done(&before, &plan(vec![auto()]));
+        assert_eq!(done, [press()]);
         let other = plan(vec![moves(1), press(), auto()]);
-        assert!(newly_done(&line, &other, &before).is_empty());
+        assert!(newly_done(&other, &before).is_empty());
         // The press has led the station to a rest, which the alarm says now.
-        let alarm = |id, text: &str| {
-            let text = text.to_owned();
-            let alarm = StandingAlarm {
-                id,
-                text,
-                answers: Vec::new(),
-                lead: Vec::new(),
-                reset: Vec::new(),
-                at_order: Vec::new(),
-                end: None,
-                bring: None,
-            };
-            step(RecoveryAction::First(Need::Answer(alarm)), Vec::new(), ControlMode::Manual)
-        };
         let before = plan(vec![press(), alarm(3, "First lead m1 to a rest."), auto()]);
-        assert_eq!(newly_done(&line, &before, &plan(vec![alarm(3, "m1 is at rest."), auto()])), done);
-        assert!(newly_done(&line, &before, &plan(vec![alarm(4, "m1 is at rest."), auto()])).is_empty());
+        assert_eq!(newly_done(&before, &plan(vec![alarm(3, "m1 is at rest."), auto()])), done);
+        assert!(newly_done(&before, &plan(vec![alarm(4, "m1 is at rest."), auto()])).is_empty());
+    }
+
+    #[test]
+    fn an_answer_is_done_when_sensors_have_confirmed_it_and_not_where_they_contradict_it() {
+        let line = linewright_line::parse("line.toml", &linewright_line::TransferLine::default().text());
+        let line = line.expect("parses").line;
+        let compared = || {
+            let need = Need::Settled { activity: "`load M1` waits for sensors".to_owned(), stations: Vec::new() };
+            plan(vec![step(RecoveryAction::First(need), Vec::new(), ControlMode::Auto)])
+        };
+        let asked = |id| plan(vec![alarm(id, "Answer where the part is.")]);
+        let done_after = |plans: &[RecoveryPlan]| {
+            let mut done = DoneSteps::default();
+            plans.iter().for_each(|plan| done.note(&line, plan));
+            done.texts().to_vec()
+        };
+        assert_eq!(done_after(&[asked(1), compared(), asked(2)]), [""; 0], "not taken: asked again");
+        assert_eq!(done_after(&[asked(1), compared()]), [""; 0], "not known yet");
+        assert_eq!(done_after(&[asked(1), compared(), plan(Vec::new())]), ["alarm 1 was answered"]);
     }
 
     fn signal() -> RecoveryStep {
@@ -151,11 +205,9 @@ mod tests {
     /// A drive that stands reports no fault any more, and sticks as before.
     #[test]
     fn a_fault_signal_that_has_gone_off_is_nothing_that_was_done_and_no_other_press() {
-        let line = linewright_line::parse("line.toml", &linewright_line::TransferLine::default().text());
-        let line = line.expect("parses").line;
         let (on, off) = (plan(vec![signal(), press(), auto()]), plan(vec![press(), auto()]));
-        assert_eq!(newly_done(&line, &on, &off), [""; 0]);
-        assert_eq!(newly_done(&line, &on, &plan(vec![auto()])), [press().text(&line)]);
+        assert!(newly_done(&on, &off).is_empty());
+        assert_eq!(newly_done(&on, &plan(vec![auto()])), [press()]);
         let mut failures = PressFailures::default();
         for _ in 0..2 {
             for (now, moves) in [(&off, true), (&off, true), (&on, false), (&off, false)] {

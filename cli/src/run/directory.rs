@@ -15,6 +15,9 @@ const MACHINE_BEGINS_ANEW: &str = "no positions of the simulated machine are kep
                                    follows: lead it home in manual or give `linewright rejoin`, or start with another \
                                    --state-dir";
 
+/// Is there while a run goes on, and after one that has not ended at home.
+const UNFINISHED_FILE: &str = "run.unfinished";
+
 /// The file with the line's name.
 const LINE_FILE: &str = "line.name";
 const LINE_BYTES_MAX: usize = 4096;
@@ -27,6 +30,8 @@ pub struct RunDirectory {
     temporary: bool,
     /// There are journals of an earlier run in it.
     pub has_journals: bool,
+    /// The run before in it has not ended at home: it was cut off, or everything stood after a fault.
+    is_unfinished: bool,
 }
 
 impl RunDirectory {
@@ -43,7 +48,8 @@ impl RunDirectory {
             can_write(dir).map_err(unusable)?;
             is_of_line(dir, line)?;
             let has_journals = has_journals(dir);
-            return Ok(RunDirectory { dir: dir.to_owned(), temporary: false, has_journals });
+            let is_unfinished = has_journals && dir.join(UNFINISHED_FILE).exists();
+            return Ok(RunDirectory { dir: dir.to_owned(), temporary: false, has_journals, is_unfinished });
         }
         let first = std::env::temp_dir().join(format!("linewright-run-{}", std::process::id()));
         // A run that failed has left its own, and its number may be this process's now. Its journals are of another line.
@@ -53,7 +59,7 @@ impl RunDirectory {
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 outcome => {
                     outcome.into_diagnostic().wrap_err_with(|| cannot(&dir))?;
-                    return Ok(RunDirectory { dir, temporary: true, has_journals: false });
+                    return Ok(RunDirectory { dir, temporary: true, has_journals: false, is_unfinished: false });
                 }
             }
         }
@@ -67,6 +73,26 @@ impl RunDirectory {
             Ok(KeptPositions::Racks(_)) => None,
             Err(why) => Some(why),
         }
+    }
+
+    /// Why auto is not to be given by itself: the run before has not ended at home, and nobody has looked since.
+    pub fn unfinished(&self) -> Option<String> {
+        self.is_unfinished.then(|| {
+            format!(
+                "the run before in {} has not ended at home: it was cut off, or stood after a fault. Auto is not given by this run. Look at \
+                 the machine; `linewright recover` lists the way, and auto is given with `linewright mode`",
+                self.dir.display()
+            )
+        })
+    }
+
+    /// Notes that a run has begun. Until it has ended at home the next one gives no auto.
+    ///
+    /// # Errors
+    /// Why it cannot be written.
+    pub fn begin(&self) -> miette::Result<()> {
+        let file = self.dir.join(UNFINISHED_FILE);
+        std::fs::write(&file, "").into_diagnostic().wrap_err_with(|| format!("cannot write {}", file.display()))
     }
 
     /// Why auto is not to be given by itself: stations of an earlier run have no journal any more, and what was done to the parts in the
@@ -85,8 +111,11 @@ impl RunDirectory {
         })
     }
 
-    /// Removes a temporary directory, unless the run failed: its logs are needed then.
-    pub fn end(self, ok: bool) {
+    /// Notes that the run has ended, at home or elsewhere. Removes a temporary directory, unless the run failed: its logs are needed then.
+    pub fn end(self, at_home: bool, ok: bool) {
+        if at_home {
+            let _ = std::fs::remove_file(self.dir.join(UNFINISHED_FILE));
+        }
         if self.temporary && ok {
             let _ = std::fs::remove_dir_all(&self.dir);
         }
@@ -179,6 +208,29 @@ mod tests {
         assert_eq!(lost(), None);
         std::fs::remove_file(file("clamp_1.journal")).expect("a file");
         assert!(lost().is_some_and(|why| why.contains("no journal of clamp_1: ")));
+    }
+
+    #[test]
+    fn auto_is_not_given_after_a_run_that_has_not_ended_at_home() {
+        let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+        let used = || RunDirectory::new(Some(dir.path()), &line).expect("it can be used");
+        let run = |at_home: Option<bool>| {
+            let before = used();
+            before.begin().expect("it is written");
+            std::fs::write(dir.path().join("clamp_1.journal"), "").expect("a file");
+            if let Some(at_home) = at_home {
+                before.end(at_home, at_home);
+            }
+        };
+        assert_eq!(used().unfinished(), None, "the first run there");
+        run(Some(true));
+        assert_eq!(used().unfinished(), None);
+        for ended in [None, Some(false)] {
+            run(ended);
+            assert!(used().unfinished().is_some_and(|why| why.contains("has not ended at home")), "{ended:?}");
+        }
+        run(Some(true));
+        assert_eq!(used().unfinished(), None);
     }
 
     #[test]

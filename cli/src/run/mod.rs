@@ -73,7 +73,8 @@ pub struct Args {
     /// The CAN interface of the line's bus.
     #[arg(long, default_value = DEFAULT_BUS)]
     bus: String,
-    /// Directory of journals and logs, from which the run goes on [default: a new temporary one].
+    /// Directory of journals and logs, from which the run goes on; it gives no auto where the run before in it has not ended at home
+    /// [default: a new temporary one].
     #[arg(long)]
     state_dir: Option<PathBuf>,
     /// Days for which the database keeps what happens; without this everything is kept.
@@ -132,10 +133,11 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     if !args.no_plant {
         scratch.machine_note(&line).into_iter().for_each(|note| session.note(note));
     }
-    if let Some(note) = lost {
+    for note in lost.into_iter().chain(scratch.unfinished().filter(|_| !args.no_auto)) {
         session.note(note);
         session.auto_once = AutoOnce::by_others();
     }
+    scratch.begin()?;
     let dir = args.state_dir.as_deref().filter(|_| cell.is_none());
     if let Some(note) = dir.and_then(|dir| not_recorded(dir, &line)) {
         // It stands as long as the run, above the picture.
@@ -148,8 +150,9 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
         Err(error) => Err(error),
     };
     children.end().await;
+    let at_home = outcome.is_ok();
     let code = session.report(&args, outcome, children.restarts())?;
-    scratch.end(code == ExitCode::SUCCESS);
+    scratch.end(at_home, code == ExitCode::SUCCESS);
     Ok(code)
 }
 

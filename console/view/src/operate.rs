@@ -23,7 +23,7 @@ pub const PANEL_ONLY: &str = "a panel acts in manual mode only; the mode is";
 pub const RESUME_ONLY: &str = "it takes effect in manual only; the mode is";
 
 /// Why resume does nothing in manual.
-pub const NOTHING_INCOMPLETE: &str = "no operation is incomplete";
+pub const NOTHING_INCOMPLETE: &str = "no operation is incomplete; go on step by step with advance or return at each station's panel, as `linewright recover` lists it";
 
 const OTHER_DESCRIPTION: &str =
     "the line runs with another description than this console: end the console, and start it with that of the line";

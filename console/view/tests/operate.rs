@@ -53,7 +53,8 @@ fn a_held_button_names_the_mode_in_which_it_acts() {
     bench.coordinator.as_mut().expect("received").0.mode = StationState::MODE_MANUAL;
     bench.stations[0].as_mut().expect("received").0.mode = StationState::MODE_MANUAL;
     let page = bench.page(1);
-    assert_eq!(why(&page.operate.resume), "no operation is incomplete");
+    let step_by_step = "step by step with advance or return at each station's panel, as `linewright recover` lists it";
+    assert_eq!(why(&page.operate.resume), format!("no operation is incomplete; go on {step_by_step}"));
     assert_eq!((why(&page.operate.panels[0].holds[0]), page.operate.panels[0].is_manual), (String::new(), Some(false)));
     assert!(!why(&page.operate.panels[1].holds[0]).is_empty(), "its station is not in manual yet");
     bench.stations[1].as_mut().expect("received").0.incomplete = vec![0];

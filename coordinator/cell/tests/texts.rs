@@ -10,7 +10,7 @@ use linewright_coordinator_cell::exception::{
 use linewright_coordinator_cell::production::{ProductionRefusal, RequestProblem};
 use linewright_coordinator_cell::schedule::RevisionReason;
 use linewright_coordinator_cell::texts::alarm::{AlarmText, StationStanding};
-use linewright_coordinator_cell::texts::{self, CellWait, TokenOwner};
+use linewright_coordinator_cell::texts::{self, CellWait, LimitText, TimeLimitOf, TokenOwner};
 use linewright_coordinator_cell::{
     ActivityFailure, AlarmId, BadAnswer, CellId, CellTable, DecidingRule, FiringId, Gain, HoldReason, LostDecision,
     ModeId, OrderFailure, OrderKey, PartId, ProductionCommandError, ProgressComparison, ResourceId, StationUnavailable,
@@ -356,6 +356,16 @@ fn command_errors() -> Vec<ProductionCommandError> {
     })
 }
 
+fn limits() -> Vec<LimitText<'static>> {
+    let time = |by| LimitText::Time { failure: "m1: time limit exceeded", seconds: 9.000_6, by };
+    samples!(LimitText<'static> {
+        LimitText::Time { .. } =>
+            time(TimeLimitOf::Order), time(TimeLimitOf::Nominal { safety: 2.0, time: 4.5 }),
+            time(TimeLimitOf::Task { task: "clamp" });
+        LimitText::Repeated { .. } => LimitText::Repeated { times: 1 }, LimitText::Repeated { times: 3 };
+    })
+}
+
 fn of_decisions(table: &CellTable) -> Vec<String> {
     let lost = HoldReason::LostTo(LostDecision { to: OTHER, with: None, own: Some(PART), by: DecidingRule::Inside });
     let decision = texts::decision(table, &[(MODE, Some(PART)), (OTHER, None)], &[(MODE, lost)]);
@@ -379,6 +389,7 @@ fn all_texts_of_a_cell() {
         listed("failed activities", &activity_failures(), |cause| cause.text_of("m1", "M1")),
         listed("stations of a failed activity, behind their names", &standings(), |how| how.text().to_owned()),
         listed("alarms", &alarms(), |alarm| alarm.text()),
+        listed("limits, in alarms", &limits(), |limit| limit.text()),
         listed("rejected answers", &answer_refusals(), |why| answer_refused(*why, ResourceRequest::Answer(AlarmId(3)))),
         listed("rejected resets", &answer_refusals(), |why| answer_refused(*why, ResourceRequest::Reset(STATION))),
         listed("resources out of service", &out_of_service(), |why| why.text("`load M1` with part 3")),

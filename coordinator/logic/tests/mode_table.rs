@@ -7,6 +7,7 @@ use ControlMode as M;
 use ModeCommand as C;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_coordinator_logic::decision::{ARCS, ModeFacts};
+use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
 use crate::common::CoordinatorBench;
@@ -374,4 +375,18 @@ fn what_several_stations_lack_is_once_in_the_text_of_the_mode() {
     bench.beat();
     let both = "transfer: no memory of the cycle, and clamp_1: began anew apart from the other stations; lead all";
     assert!(bench.coordinator.text().contains(both), "{}", bench.coordinator.text());
+}
+
+/// Start is no way from there: what is incomplete is led in manual, where the station is looked at.
+#[test]
+fn a_restarted_station_with_an_incomplete_operation_asks_for_manual_alone() {
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
+    bench.heard[1].boot_id += 1;
+    bench.heard[1].incomplete = true;
+    bench.beat();
+    let texts = [bench.coordinator.text(), bench.command(ModeCommand::Auto).expect("it is incomplete")];
+    for text in texts {
+        assert!(text.contains("clamp_1: operation incomplete") && !text.contains("give start"), "{text}");
+    }
+    assert_eq!(bench.coordinator.standing().restarted, [StationId(1)]);
 }

@@ -105,6 +105,7 @@ pub fn rests(line: &Line, id: StationId) -> StationRests {
             name: task.name.as_str().into(),
             from: task.from,
             to: task.to,
+            limit: task.limit,
             button: name(forward),
             back: back.map(name),
             waits: station.waits_for_inputs(of),
@@ -179,6 +180,7 @@ impl<'a> BuiltPolicy<'a> {
         let worker = id(Role::Worker);
         let rules = self.cell.activity_named(&activity.name).map(|id| self.rules(id)).unwrap_or_default();
         let part_type = self.cell.stages[of.from.index()].part_type;
+        let nominal = of.time.map(|time| (time, time.mul_f64(self.cell.limits.safety)));
         ModeHandling {
             activity: activity.name.as_str().into(),
             part_type: self.cell.part_types[part_type.index()].name.as_str().into(),
@@ -187,6 +189,7 @@ impl<'a> BuiltPolicy<'a> {
             carrier: id(Role::Carrier),
             rules,
             begins: Vec::new(),
+            nominal: activity.orders.iter().map(|order| nominal.filter(|_| order.limit.is_none())).collect(),
             gone: self.gone(mode, activity, of.from),
         }
     }

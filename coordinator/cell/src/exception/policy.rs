@@ -63,6 +63,8 @@ pub struct RestTask {
     pub name: Arc<str>,
     pub from: RestId,
     pub to: RestId,
+    /// Longest time that the station gives any order for it.
+    pub limit: Duration,
     /// The button that begins it in hand mode.
     pub button: Arc<str>,
     /// The button that takes all of it back in hand mode, from the rest where it has ended; none if none does.
@@ -102,6 +104,8 @@ pub struct ModeHandling {
     pub rules: Vec<usize>,
     /// The rests at which ordered tasks begin; none without a line.
     pub begins: Vec<(StationId, RestId)>,
+    /// By order, where it states no limit: the nominal time of the activity, and what `safety` of the cell makes of it.
+    pub nominal: Vec<Option<(Duration, Duration)>>,
     /// What is given back if its part is no more; none if that is not known.
     pub gone: Option<Vec<TokenDemand>>,
 }
@@ -225,6 +229,12 @@ impl RecoveryPolicy {
     pub fn station_label(&self, station: StationId) -> String {
         let known = self.rests.iter().find(|of| of.station == station);
         known.map_or_else(|| self.station_name(station), |of| of.label.to_string())
+    }
+
+    /// Longest time that a station gives an order for a task.
+    pub fn task_limit(&self, station: StationId, task: &str) -> Option<Duration> {
+        let of = self.rests.iter().find(|of| of.station == station)?;
+        of.tasks.iter().find(|of| *of.name == *task).map(|of| of.limit)
     }
 
     /// The inputs that a station waited for when an order for this task failed with this code, each with its operation; none if no

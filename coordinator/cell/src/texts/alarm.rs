@@ -14,6 +14,7 @@ use crate::ids::{ModeId, PartId, ResourceId};
 use crate::player::Coordination;
 use crate::record::{ActivityFailure, OrderFailure};
 use crate::state::PlayerState;
+use crate::texts::limit;
 use crate::texts::resource::difference;
 
 /// The answer that a resource is as the model has it.
@@ -70,6 +71,10 @@ fn facts(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, no
         seconds: failed_after.as_millis() as f64 / 1e3,
     }
     .text();
+    // Writing to a string does not fail.
+    if let Some(repeated) = limit::repeated(state, handling, firing, cause) {
+        let _ = write!(text, "; {repeated}");
+    }
     let first = match cause {
         ActivityFailure::Order { key, .. } => Some(key),
         ActivityFailure::TimedOut | ActivityFailure::ByHand { .. } => None,
@@ -78,7 +83,6 @@ fn facts(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, no
         if let OrderProgress::Failed(failure) = order.state
             && is_told(failure)
         {
-            // Writing to a string does not fail.
             let of_another = first.is_some() || matches!(cause, ActivityFailure::ByHand { .. });
             let left = of_another.then(|| left_waiting(of, firing, order, failure)).flatten();
             let _ = write!(text, "; {}", left.unwrap_or_else(|| order_failed(of, firing, order, failure)));
@@ -92,8 +96,7 @@ fn facts(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, no
     }
     let others = state.exceptions().stopped().filter(|id| firing.orders.iter().all(|order| order.station != *id));
     for station in others {
-        let standing = StationStanding::EmergencyStop.text();
-        let _ = write!(text, "{joint} {}: {standing}", handling.station_name(station));
+        let _ = write!(text, "{joint} {}: {}", handling.station_name(station), StationStanding::EmergencyStop.text());
         joint = ",";
     }
     text
@@ -164,6 +167,9 @@ fn is_told(failure: OrderFailure) -> bool {
 /// Failure of an order with the names of its station and of the inputs that were waited for.
 fn order_failed(of: &Coordination, firing: &OngoingActivity, order: &OngoingOrder, failure: OrderFailure) -> String {
     let text = failure.text_of(&of.state().table().handling().station_label(order.station));
+    if failure == OrderFailure::TimedOut {
+        return limit::time(of.state(), firing, order, &text);
+    }
     let detail = awaited(of, firing, order, failure).or_else(|| fault_of_order(of, firing, order, failure));
     detail.map_or_else(|| text.clone(), |detail| AlarmText::Because { failure: &text, detail: &detail }.text())
 }
@@ -397,7 +403,9 @@ impl AlarmText<'_> {
             AlarmText::PartAt { place } => format!("part at {place}"),
             AlarmText::PartGone => "part gone".to_owned(),
             AlarmText::MeansUp => "as the model has it".to_owned(),
-            AlarmText::Facts { activity, cause, seconds } => format!("{activity}: {cause}, after {seconds} s"),
+            AlarmText::Facts { activity, cause, seconds } => {
+                format!("{activity}: {cause}, after {} s", limit::tenths(seconds))
+            }
             AlarmText::Because { failure, detail } => format!("{failure}: {detail}"),
             AlarmText::LeftWaiting { station, inputs, code } => {
                 let inputs = inputs.unwrap_or("an input");

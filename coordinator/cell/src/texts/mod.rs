@@ -8,6 +8,7 @@ pub mod alarm;
 mod answer;
 pub(crate) mod decision;
 mod failure;
+mod limit;
 mod part;
 mod production;
 pub(crate) mod resource;
@@ -16,5 +17,6 @@ pub(crate) mod wait;
 
 pub use answer::{AnswerFit, AnswerRemark, ListedAnswer, answer_refused};
 pub use decision::{called, decision, named, reason};
+pub use limit::{LimitText, TimeLimitOf};
 pub use part::part;
 pub use wait::{CellWait, TokenOwner, failed, recovery};

@@ -45,7 +45,26 @@ struct OpenActivity {
     mode: ModeId,
     part: Option<PartId>,
     began: Tick,
-    failed: Option<(Tick, String)>,
+    failed: Option<FailedSince>,
+}
+
+/// A failure that its alarm still asks about.
+#[derive(Clone, Debug)]
+struct FailedSince {
+    at: Tick,
+    cause: String,
+    /// The resource of which a person has given alarm: it was counted there when the resource was left out.
+    counted: Option<usize>,
+}
+
+impl FailedSince {
+    /// Adds the failure to the causes of a resource that it has kept down for so long.
+    fn add_to(&self, causes: &mut Causes, resource: usize, down: Duration) {
+        match self.counted == Some(resource) {
+            true => causes.go_on(&self.cause, down),
+            false => causes.add(&self.cause, down),
+        }
+    }
 }
 
 /// Sums of a resource.
@@ -167,9 +186,10 @@ impl Tracking {
         let mut until = self.clone();
         until.pass(now);
         for open in until.open.values() {
-            if let (Some((since, cause)), Some(entry)) = (&open.failed, until.sheet.modes.get(open.mode.index())) {
+            if let (Some(failed), Some(entry)) = (&open.failed, until.sheet.modes.get(open.mode.index())) {
                 for &resource in &entry.resources {
-                    until.resources[resource].causes.add(cause, now.since((*since).max(self.from)));
+                    let down = now.since(failed.at.max(self.from));
+                    failed.add_to(&mut until.resources[resource].causes, resource, down);
                 }
             }
         }
@@ -275,8 +295,14 @@ impl Tracking {
 
     fn fails(&mut self, firing: FiringId, cause: &ActivityFailure, at: Tick) {
         let Some(open) = self.open.get_mut(&firing) else { return };
-        let cause = cause.summary();
-        open.failed = Some((at, cause));
+        // An alarm given by hand leaves its resource out first, with its text: one event, one cause.
+        let counted = match cause {
+            ActivityFailure::ByHand { resource } => Some(resource.index()),
+            ActivityFailure::TimedOut | ActivityFailure::Order { .. } => None,
+        };
+        let text = counted.and_then(|of| self.resources.get(of)?.out.clone());
+        let counted = counted.filter(|_| text.is_some());
+        open.failed = Some(FailedSince { at, cause: text.unwrap_or_else(|| cause.summary()), counted });
         let mode = open.mode;
         self.failures += u64::from(at >= self.from);
         self.works(mode, |working| working - 1);
@@ -354,12 +380,15 @@ impl Tracking {
                 self.works(open.mode, |working| working - 1);
                 self.each(open.mode, |tally| tally.running -= 1);
             }
-            Some((since, cause)) => self.each(open.mode, |tally| {
-                tally.failed -= 1;
-                if counts {
-                    tally.causes.add(cause, at.since((*since).max(from)));
+            Some(failed) => {
+                for &resource in self.sheet.entry(open.mode).map(|entry| &entry.resources[..]).unwrap_or_default() {
+                    let tally = &mut self.resources[resource];
+                    tally.failed -= 1;
+                    if counts {
+                        failed.add_to(&mut tally.causes, resource, at.since(failed.at.max(from)));
+                    }
                 }
-            }),
+            }
         }
         Some(open)
     }

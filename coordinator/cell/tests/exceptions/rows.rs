@@ -256,11 +256,14 @@ fn an_automatic_rule_asks_when_its_retries_are_used_up() {
         (vec![AnsweredBy::Rule; 2], &["in-store", "in-machine", "scrap"].map(str::to_owned)[..])
     );
     assert_eq!(bench.state().exceptions().times(firing.mode, firing.part), 2);
+    let text = &bench.alarm().text;
+    assert!(text.contains("repeated 2 times already") && text.contains("`retries` of its [[exception]]"), "{text}");
     // An alarm is raised as well where a station is not at rest.
     let mut bench = CellBench::new(&workcell().replace("retries = 2", "retries = 2\nautomatic = true"), &[1, 0]);
     bench.at("robot").holds = true;
     bench.load_fails();
     assert_eq!(bench.alarm().words, ["in-store", "in-machine", "scrap"]);
+    assert!(!bench.alarm().text.contains("repeated"), "{}", bench.alarm().text);
 }
 
 /// A lie does not go silently, and changes nothing.

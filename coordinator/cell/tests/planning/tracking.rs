@@ -223,6 +223,34 @@ fn a_part_that_an_answer_gives_up_is_lost_wherever_it_was() {
     }
 }
 
+/// The resource is left out and its activity has failed by the same alarm.
+#[test]
+fn an_alarm_given_by_hand_is_one_cause() {
+    let made = Made::new(C1);
+    let played = played(&made, &[("A", 1, None)], |_| ()).log;
+    let load = |record: &Record| match record.fact {
+        RecordKind::Started { firing, mode, .. } if made.table.called(mode) == "load M1" => Some(firing),
+        _ => None,
+    };
+    let place = played.iter().position(|record| load(record).is_some()).expect("a part is loaded");
+    let (firing, at) = (load(&played[place]).expect("that one"), played[place].at);
+    let resource = made.table.handling().resource_named("M1").expect("it is there");
+    let mut log = played[..=place].to_vec();
+    for (text, cause) in [("smoke", "smoke"), ("", "alarm raised by hand")] {
+        log.truncate(place + 1);
+        let why = OutOfServiceReason::Alarm { text: text.to_owned() };
+        let down = ExceptionStep::Down { resource, why, activity: String::new() };
+        log.push(Record { at, fact: RecordKind::Exception(down) });
+        log.push(Record { at, fact: RecordKind::Raised { firing, cause: ActivityFailure::ByHand { resource } } });
+        let (after, four) = (at + Duration::from_secs(4), Duration::from_secs(4));
+        for name in ["M1", "R"] {
+            let found = report(&made, &log, after);
+            let of = found.resources.iter().find(|of| of.name == name).expect("it is there");
+            assert_eq!(of.causes.iter().collect::<Vec<_>>(), [(cause, 1, four)], "{name}");
+        }
+    }
+}
+
 /// As long as the sensor of a resource sees no part where the cell has one.
 #[test]
 fn a_part_that_is_missing_by_a_sensor_counts_as_lost_until_it_is_put_back() {

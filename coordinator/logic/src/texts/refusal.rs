@@ -1,6 +1,6 @@
 //! Refused commands: why the mode does not change, and what to do.
 
-use linewright_line::{Device, Line, Owner};
+use linewright_line::{Device, Line, Owner, StationId};
 
 use crate::decision::ModeCommand;
 use crate::refusal::{ApartCause, ModeRefusal, OperatorCommand, RefusedCommand};
@@ -33,6 +33,17 @@ impl RefusedCommand {
     }
 }
 
+/// The station that a reason has led to manual: what was restarted there is looked at on that way, and *start* leads nowhere before it.
+fn leads_to_manual(reason: &ModeRefusal) -> Option<StationId> {
+    match *reason {
+        ModeRefusal::Incomplete(station, _)
+        | ModeRefusal::PositionLost(station)
+        | ModeRefusal::NoCommonStart(station, _)
+        | ModeRefusal::BetweenRests(station) => Some(station),
+        _ => None,
+    }
+}
+
 /// The reasons, each with what is known of its cause (empty where nothing is). What several stations lack is one reason.
 pub(crate) fn reason_texts(
     reasons: &[ModeRefusal],
@@ -47,7 +58,12 @@ pub(crate) fn reason_texts(
         let (text, trouble) = (reason.text(line), trouble(reason));
         if trouble.is_empty() { text } else { format!("{text}: {trouble}") }
     };
-    let mut texts: Vec<String> = reasons.iter().filter(|reason| apart(reason).is_none()).map(text).collect();
+    let is_looked_at = |reason: &ModeRefusal| match reason {
+        ModeRefusal::Restarted(station) => reasons.iter().filter_map(leads_to_manual).any(|of| of == *station),
+        _ => false,
+    };
+    let single = |reason: &&ModeRefusal| apart(reason).is_none() && !is_looked_at(reason);
+    let mut texts: Vec<String> = reasons.iter().filter(single).map(text).collect();
     let of_cause = |cause: ApartCause| {
         let names: Vec<&str> = reasons.iter().filter_map(apart).filter(|of| of.0 == cause).map(|of| of.1).collect();
         (!names.is_empty()).then(|| format!("{}: {}", names.join(", "), cause.text()))

@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use super::draft::{DraftActivity, DraftCell, DraftException, DraftOrder, DraftPart, DraftResource};
 use super::raw::{RawBounds, RawDispatch};
-use super::rules::{Offsets, offsets, transport};
+use super::rules::{Offsets, charted_time, offsets, transport};
 use crate::routes::Routes;
 use crate::{
     Activity, ActivityKind, AlarmAnswer, Cell, CellTimeouts, Dispatch, DispatchRule, ExceptionRule, OrderTemplate,
-    PartType, PartTypeId, PlanStep, Resource, ResourceId, Stage, StageId, StageMove, Staying,
+    PartType, PartTypeId, PlanStep, Resource, Stage, StageId, StageMove, Staying,
 };
 
 /// Default of the wait after which a part that could move goes first.
@@ -71,7 +71,7 @@ fn activity(draft: &DraftCell<'_>, of: &DraftActivity<'_>, routes: &Routes, offs
         uses: of.uses.iter().map(|part| part.value).collect(),
         orders: of.orders.iter().map(order).collect::<Option<_>>()?,
         moves: match of.kind {
-            ActivityKind::Process => works(draft, of.uses.first()?.value.of?, offsets),
+            ActivityKind::Process => works(draft, of, offsets)?,
             ActivityKind::Leave => leaves(draft, of, routes, offsets)?,
             ActivityKind::Transport | ActivityKind::Enter => transports(draft, of, routes, offsets)?,
         },
@@ -86,19 +86,10 @@ fn transports(
     offsets: &Offsets,
 ) -> Option<Vec<StageMove>> {
     let way = transport(of)?;
+    let time = of.time.as_ref().map(|time| time.value).or_else(|| charted_time(draft, of));
     let numbers = draft.parts.iter().enumerate().flat_map(|(at, part)| (0..part.stages.len()).map(move |s| (at, s)));
     let stages = numbers.map(|(at, stage)| offsets.stage(at, stage)).filter(|&stage| routes.is_of_use(way, stage));
-    Some(
-        stages
-            .map(|stage| StageMove {
-                from: stage,
-                to: stage,
-                time: of.time.as_ref().map(|time| time.value),
-                program: None,
-                stays: Staying::No,
-            })
-            .collect(),
-    )
+    Some(stages.map(|stage| StageMove { from: stage, to: stage, time, program: None, stays: Staying::No }).collect())
 }
 
 /// A part that leaves may come again, as a part on which nothing has been done.
@@ -112,7 +103,9 @@ fn leaves(draft: &DraftCell<'_>, of: &DraftActivity<'_>, routes: &Routes, offset
 }
 
 /// Stage changes by a resource, in the order of the stages.
-fn works(draft: &DraftCell<'_>, resource: ResourceId, offsets: &Offsets) -> Vec<StageMove> {
+fn works(draft: &DraftCell<'_>, of: &DraftActivity<'_>, offsets: &Offsets) -> Option<Vec<StageMove>> {
+    let resource = of.uses.first()?.value.of?;
+    let charted = charted_time(draft, of);
     let mut moves = Vec::new();
     for (at, part) in draft.parts.iter().enumerate() {
         for step in &part.steps {
@@ -120,14 +113,14 @@ fn works(draft: &DraftCell<'_>, resource: ResourceId, offsets: &Offsets) -> Vec<
             moves.extend(here.map(|(_, raw)| StageMove {
                 from: offsets.stage(at, step.from),
                 to: offsets.stage(at, step.to),
-                time: raw.time.as_ref().map(|time| time.value),
+                time: raw.time.as_ref().map(|time| time.value).or(charted),
                 program: raw.program.as_ref().and_then(|program| i32::try_from(program.value).ok()),
                 stays: raw.staying(),
             }));
         }
     }
     moves.sort_by_key(|of| (of.from, of.to));
-    moves
+    Some(moves)
 }
 
 fn order(draft: &DraftOrder<'_>) -> Option<OrderTemplate> {

@@ -143,7 +143,8 @@ keys! {
         /// `"resource.action"`, at most 8: one source (`unload`, `retrieve`, `outside.in`), one target (`load`, `store`,
         /// `outside.out`), at most one carrier.
         actions: Option<Located<Vec<LocatedName>>> = texts(ACTIONS_MAX).required(),
-        /// Nominal time, in seconds, up to a day; without it and without orders it takes no time.
+        /// Nominal time, in seconds, up to a day. Without it that of the longest of its orders' tasks by their operations; without
+        /// orders it takes no time.
         time as "time_s": Option<Located<Duration>> = seconds(),
         /// Task orders of the activity, at most 16. It has ended when all are done.
         orders: Vec<RawOrder> = tables(ORDERS_MAX),
@@ -206,10 +207,13 @@ keys! {
     pub(super) struct RawOn is "a resource of a step" {
         /// Whether a program is written, even if it could not be read.
         has_program as "program": bool = written(),
+        /// Whether a time is written, even if it could not be read.
+        has_time as "time_s": bool = written(),
         /// The resource.
         resource: Option<LocatedName> = text().required(),
-        /// Nominal time there, in seconds, up to a day.
-        time as "time_s": Option<Located<Duration>> = seconds().required(),
+        /// Nominal time there, in seconds, up to a day. It may be left out where the operations of the station's task give it, and
+        /// no program does.
+        time as "time_s": Option<Located<Duration>> = seconds(),
         /// Whether a part stays in the resource after a step there, without being unloaded: it `"may"`, or it `"must"`
         /// and is not loaded for this step. If left out, it is loaded for each step.
         stays: Option<Located<Staying>> = one_of(&STAYING),

@@ -6,8 +6,8 @@ use linewright_line::{Station, Task};
 use linewright_text::{Located, Problem, Report};
 
 use super::orders::{ordered, times};
-use crate::ParameterSource;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
+use crate::{ActivityKind, ParameterSource};
 
 /// Largest difference that is not reported, as a part of the longer time.
 const TOLERANCE: f64 = 0.1;
@@ -44,14 +44,7 @@ impl ChartedTask<'_> {
 /// where they wait for each other. With a `time_s` outside of that, plans are made for another cell than the one described. Where a step gives a
 /// program its time is the program's. A task that is done for several steps has one duration, around which their times may lie.
 pub(super) fn times_are_those_of_the_charts(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
-    let is_programmed =
-        |order: &DraftOrder<'_>| order.parameters.iter().any(|(_, source)| matches!(source, ParameterSource::Program));
-    if activity.orders.iter().any(is_programmed) {
-        return;
-    }
-    let Some(charted) = activity.orders.iter().map(|order| charted(draft, order)).collect::<Option<Vec<_>>>() else {
-        return;
-    };
+    let Some(charted) = charts(draft, activity) else { return };
     let Some(longest) = charted.iter().map(ChartedTask::takes).max() else { return };
     let all: Duration = charted.iter().map(ChartedTask::takes).sum();
     let written: Vec<Located<Duration>> = times(draft, activity).collect();
@@ -83,6 +76,41 @@ pub(super) fn times_are_those_of_the_charts(draft: &DraftCell<'_>, activity: &Dr
         let hint =
             format!("in the line's description {}: write here what that takes, or change it there", charts.join("; "));
         report.add(Problem::warning(time.at, message).label("differs by more than a tenth").hint(hint));
+    }
+}
+
+/// The charts of an activity's tasks; none where one of them is not known, or a program decides how long it takes.
+fn charts<'d>(draft: &DraftCell<'d>, activity: &DraftActivity<'_>) -> Option<Vec<ChartedTask<'d>>> {
+    let is_programmed =
+        |order: &DraftOrder<'_>| order.parameters.iter().any(|(_, source)| matches!(source, ParameterSource::Program));
+    if activity.orders.iter().any(is_programmed) {
+        return None;
+    }
+    activity.orders.iter().map(|order| charted(draft, order)).collect()
+}
+
+/// The nominal time of an activity that has none written: the longest of its stations' tasks. Where stations wait for each other it
+/// takes longer.
+pub(in crate::parse) fn charted_time(draft: &DraftCell<'_>, activity: &DraftActivity<'_>) -> Option<Duration> {
+    let longest = charts(draft, activity)?.iter().map(ChartedTask::takes).max()?;
+    (!longest.is_zero()).then_some(longest)
+}
+
+/// Each resource of a step has a time: a written one, or that of its station's chart.
+pub(super) fn works_have_times(draft: &DraftCell<'_>, report: &mut Report) {
+    for (on, raw) in draft.steps().flat_map(|step| step.on.iter().zip(&step.raw.on)).filter(|(_, raw)| !raw.has_time) {
+        let is_its = |of: &&DraftActivity<'_>| {
+            of.kind == ActivityKind::Process && on.is_some() && of.uses.first().is_some_and(|part| part.value.of == *on)
+        };
+        let work = draft.activities.iter().find(is_its);
+        if work.and_then(|work| charted_time(draft, work)).is_none() {
+            let problem =
+                Problem::error(raw.at.clone(), "a resource of a step needs `time_s`").label("its time is not known");
+            report.add(problem.hint(
+                "write `time_s = …`. Nominal time there, in seconds, up to a day; without it the operations of its station's task have to \
+                 be known, and to take no program",
+            ));
+        }
     }
 }
 

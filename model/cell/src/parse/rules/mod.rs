@@ -17,6 +17,7 @@ mod tasks;
 mod ways;
 mod whole;
 
+pub(super) use durations::charted_time;
 pub(super) use ways::{Offsets, offsets, transport};
 
 use linewright_text::Report;
@@ -51,6 +52,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
     tasks::orders_fit_their_tasks(draft, report);
     apart::tasks_that_reach_alike_are_kept_apart(draft, report);
     draft.activities.iter().for_each(|activity| durations::times_are_those_of_the_charts(draft, activity, report));
+    durations::works_have_times(draft, report);
     rests::machines_come_from_rest_to_rest(draft, report);
     for part in draft.parts.iter().filter(|part| part.variant.is_none()) {
         plans::part_has_steps(part, report);

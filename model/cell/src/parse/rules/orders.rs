@@ -6,6 +6,7 @@ use std::time::Duration;
 use linewright_line::{Line, StationId, TaskId};
 use linewright_text::{Located, Problem, Report, suggestion};
 
+use super::durations::charted_time;
 use super::resources::station_exists;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 use crate::{ActivityKind, ParameterSource, Prototype};
@@ -55,10 +56,11 @@ pub(super) fn limits_are_known_and_exceed_times(
                     .label("too short")
                     .hint(format!("`{}` takes {} s itself", activity.name, time.as_secs_f64())),
             ),
-            (None, None) if activity.kind != ActivityKind::Process => report.add(
-                Problem::error(order.raw.at.clone(), "lateness of this order cannot be determined")
-                    .hint(format!("give it `max_s`, or `{}` a `time_s`", activity.name)),
-            ),
+            (None, None) if activity.kind != ActivityKind::Process && charted_time(draft, activity).is_none() => report
+                .add(
+                    Problem::error(order.raw.at.clone(), "lateness of this order cannot be determined")
+                        .hint(format!("give it `max_s`, or `{}` a `time_s`", activity.name)),
+                ),
             (Some(_), _) | (None, _) => {}
         }
     }
