@@ -212,6 +212,7 @@ fn state() -> StationState {
         boot_id: u64::MAX - 1,
         sequence: 1,
         station: "s1".into(),
+        lifecycle: StationState::LIFECYCLE_ACTIVE,
         description: u64::MAX - 2,
         done: vec![3, 2],
         started: vec![3, 3],

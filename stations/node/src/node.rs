@@ -193,7 +193,8 @@ impl StationLoop {
             .map(|_| DeviceDiagnosticsTopic::open(&mut node, "~/trouble", owner, "station"))
             .transpose()?;
         let parameters = Parameters::serve(&mut node, parameters)?;
-        let message = StationState { description: line.fingerprint(), ..StationState::default() };
+        let lifecycle = StationState::LIFECYCLE_ACTIVE;
+        let message = StationState { description: line.fingerprint(), lifecycle, ..StationState::default() };
         let mut node = StationLoop {
             line,
             station,
