@@ -93,14 +93,12 @@ impl LifecycleState {
         match self {
             LifecycleState::Active | LifecycleState::Activating => "it works",
             LifecycleState::Inactive | LifecycleState::Configuring | LifecycleState::Deactivating => {
-                "give it the transition activate (ros2 lifecycle set)"
+                "activate it (ros2 lifecycle set)"
             }
             LifecycleState::Unknown
             | LifecycleState::Unconfigured
             | LifecycleState::CleaningUp
-            | LifecycleState::ErrorProcessing => {
-                "give it the transitions configure, then activate (ros2 lifecycle set)"
-            }
+            | LifecycleState::ErrorProcessing => "configure it, then activate it (ros2 lifecycle set)",
             LifecycleState::Finalized | LifecycleState::ShuttingDown => "start its process again",
         }
     }

@@ -67,7 +67,7 @@ fn out_of_a_state_a_label_is_that_of_one_transition() {
 
 #[test]
 fn a_state_that_is_not_active_has_a_way_to_activity() {
-    assert!(LifecycleState::Inactive.way_to_active().contains("transition activate"));
-    assert!(LifecycleState::Unconfigured.way_to_active().contains("configure, then activate"));
+    assert!(LifecycleState::Inactive.way_to_active().contains("activate it"));
+    assert!(LifecycleState::Unconfigured.way_to_active().contains("configure it, then activate it"));
     assert!(LifecycleState::Finalized.way_to_active().contains("process again"));
 }
