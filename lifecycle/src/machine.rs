@@ -45,6 +45,11 @@ pub struct NodeLifecycle {
 }
 
 impl NodeLifecycle {
+    /// A node that is active, to ask what a request does there.
+    pub const fn active() -> Self {
+        NodeLifecycle { state: LifecycleState::Active }
+    }
+
     pub fn state(&self) -> LifecycleState {
         self.state
     }
