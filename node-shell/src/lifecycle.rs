@@ -64,9 +64,29 @@ pub struct Lifecycle {
     tasks: Vec<Forward>,
     /// Absolute name of the node.
     name: String,
+    made: LoggedSeldom,
+    refused: LoggedSeldom,
+}
+
+/// Lines of the log of one kind.
+#[derive(Default)]
+struct LoggedSeldom {
     logged: Option<Instant>,
     /// Lines left out since then.
     unlogged: u64,
+}
+
+impl LoggedSeldom {
+    /// Logs a line, at most one in [`LOGGED_EVERY`], so that requests cannot fill a disk.
+    fn log(&mut self, node: &str, text: &str) {
+        if self.logged.is_some_and(|logged| logged.elapsed() < LOGGED_EVERY) {
+            self.unlogged += 1;
+            return;
+        }
+        self.logged = Some(Instant::now());
+        let unlogged = std::mem::take(&mut self.unlogged);
+        tracing::info!(node, unlogged, "lifecycle: {text}");
+    }
 }
 
 impl Lifecycle {
@@ -96,7 +116,16 @@ impl Lifecycle {
                 tokio::task::yield_now().await;
             }
         }));
-        Ok(Lifecycle { node: NodeLifecycle::default(), state, events, asked, tasks, name, logged: None, unlogged: 0 })
+        Ok(Lifecycle {
+            node: NodeLifecycle::default(),
+            state,
+            events,
+            asked,
+            tasks,
+            name,
+            made: LoggedSeldom::default(),
+            refused: LoggedSeldom::default(),
+        })
     }
 
     pub fn state(&self) -> LifecycleState {
@@ -119,29 +148,34 @@ impl Lifecycle {
         let begun = self.begin_by(LifecycleRequest::of(*id, label));
         if begun.is_none() {
             let (label, state) = (label.chars().take(40).collect::<String>(), self.state().label());
-            self.log(|| format!("transition {id} '{}' refused: not out of {state}", label.escape_debug()));
+            let text = format!("transition {id} '{}' refused: not out of {state}", label.escape_debug());
+            self.refused.log(&self.name, &text);
         }
         begun
     }
 
     fn begin_by(&mut self, request: LifecycleRequest<'_>) -> Option<LifecycleState> {
         let step = self.node.begin(request)?;
-        self.made(step);
+        self.publish(step);
         Some(step.to)
     }
 
     /// Concludes the work of a state; the state whose work is to be done next, if there is more: that of error processing.
     pub fn conclude(&mut self, outcome: LifecycleOutcome) -> Option<LifecycleState> {
         let step = self.node.conclude(outcome)?;
-        self.made(step);
+        self.publish(step);
+        if step.to.is_primary() {
+            self.made.log(&self.name, &format!("{}, {} now", step.label, step.to.label()));
+        }
         (!step.to.is_primary()).then_some(step.to)
     }
 
     /// Makes these transitions, whose work is done, as at the start of a node that is active at once.
     pub fn bring_up(&mut self) {
         for label in ["configure", "activate"] {
-            if self.begin_by(LifecycleRequest::Label(label)).is_some() {
-                self.conclude(LifecycleOutcome::Success);
+            let step = self.begin_by(LifecycleRequest::Label(label));
+            if let Some(step) = step.and_then(|_| self.node.conclude(LifecycleOutcome::Success)) {
+                self.publish(step);
             }
         }
     }
@@ -151,7 +185,7 @@ impl Lifecycle {
         self.tasks.iter().any(Forward::is_finished)
     }
 
-    fn made(&mut self, step: &LifecycleStep) {
+    fn publish(&mut self, step: &LifecycleStep) {
         self.state.send_replace(step.to);
         self.events.send(TransitionEvent {
             timestamp: nanoseconds(),
@@ -159,20 +193,6 @@ impl Lifecycle {
             start_state: state_message(step.from),
             goal_state: state_message(step.to),
         });
-        if step.to.is_primary() {
-            self.log(|| format!("node {}", step.to.label()));
-        }
-    }
-
-    /// Logs a line, at most one in [`LOGGED_EVERY`], so that requests cannot fill a disk.
-    fn log(&mut self, text: impl FnOnce() -> String) {
-        if self.logged.is_some_and(|logged| logged.elapsed() < LOGGED_EVERY) {
-            self.unlogged += 1;
-            return;
-        }
-        self.logged = Some(Instant::now());
-        let unlogged = std::mem::take(&mut self.unlogged);
-        tracing::info!(node = self.name, unlogged, "lifecycle: {}", text());
     }
 }
 

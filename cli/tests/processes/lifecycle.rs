@@ -114,7 +114,7 @@ fn a_coordinator_that_is_deactivated_grants_no_mode_and_one_that_is_shut_down_ne
         assert!(refusal.contains("coordinator inactive, no motion; activate it"), "{word}: {refusal}");
     }
     assert_eq!(coordinator.make(&stranger, "activate"), after(true, "active"));
-    operator.wait("nothing stands against it", |h| !h.line.text.contains("coordinator"));
+    operator.wait("the reason is past", |h| h.line.text.contains("auto ended (coordinator inactive, no motion"));
     assert_eq!(operator.heard().line.mode, StationState::MODE_STANDBY);
     operator.order("auto", StationState::MODE_AUTO);
     operator.cycles(1);
