@@ -51,6 +51,10 @@ pub struct StationArgs {
     /// Name of the station; repeat it to host several in this process.
     #[arg(long = "station", required = true)]
     stations: Vec<String>,
+    /// Wait for the transitions configure and activate of a lifecycle manager, or of `ros2 lifecycle set`; without this the node is active
+    /// at once.
+    #[arg(long)]
+    no_autostart: bool,
 }
 
 /// Run the coordinator's node.
@@ -67,6 +71,10 @@ pub struct CoordinatorArgs {
     /// Days for which the database keeps what happens; without this everything is kept.
     #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
     retention: Option<u32>,
+    /// Wait for the transitions configure and activate of a lifecycle manager, or of `ros2 lifecycle set`; without this the node is active
+    /// at once.
+    #[arg(long)]
+    no_autostart: bool,
 }
 
 /// Days as a duration.
@@ -266,6 +274,7 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
                     bus: args.common.bus(),
                     clock,
                     parameters,
+                    autostart: !args.no_autostart,
                 };
                 linewright_station_node::run(options, participant, stop.clone())
             });
@@ -303,6 +312,7 @@ pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitC
             bus: args.common.bus(),
             clock: Clock::start(),
             parameters,
+            autostart: !args.no_autostart,
         };
         linewright_coordinator_node::run(options, &participant, stop).await.map_err(|error| miette!("{error}"))
     })?;

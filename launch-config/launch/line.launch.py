@@ -6,6 +6,7 @@ ros2 launch linewright line.launch.py line:=… plant:=true virtual_bus:=true   
 ros2 launch linewright line.launch.py line:=… state_dir:=/srv/linewright         (another place for journals)
 ros2 launch linewright line.launch.py line:=… forget:=true                       (no journals; a cell forgets its orders with its coordinator)
 
+ros2 launch linewright line.launch.py line:=… autostart:=false                   (nodes wait for a lifecycle manager)
 ros2 launch linewright line.launch.py line:=… parameters:=line.yaml              (a parameter file for all of its nodes)
 
 The stations are read from the description, so a new one needs no change here. Nodes are set up by the description, and by
@@ -48,12 +49,13 @@ def nodes(context):
     forgets = LaunchConfiguration("forget").perform(context) == "true"
     remember = [] if forgets else ["--state-dir", state_dir or str(STATE_DIR / description["name"])]
     forget = ["--forget"] if forgets else []
+    waits = [] if LaunchConfiguration("autostart").perform(context) == "true" else ["--no-autostart"]
     parameters = LaunchConfiguration("parameters").perform(context)
     again = {"respawn": True, "respawn_delay": 1.0, "parameters": [parameters] if parameters else []}
     return [
         linewright(["plant", line, "--bus", bus, *virtual, *remember], condition=IfCondition(LaunchConfiguration("plant"))),
-        linewright(["coordinator", line, "--bus", bus, *virtual, *remember, *forget], **again),
-        *[linewright(["station", line, "--station", name, *virtual, *remember], **again) for name in stations],
+        linewright(["coordinator", line, "--bus", bus, *virtual, *remember, *forget, *waits], **again),
+        *[linewright(["station", line, "--station", name, *virtual, *remember, *waits], **again) for name in stations],
     ]
 
 
@@ -68,6 +70,9 @@ def generate_launch_description():
             DeclareLaunchArgument("plant", default_value="false", description="simulate the devices"),
             DeclareLaunchArgument(
                 "state_dir", default_value="", description="where nodes keep their journals; by default below ROS_HOME"
+            ),
+            DeclareLaunchArgument(
+                "autostart", default_value="true", description="nodes are active at once, else they are to be configured and activated"
             ),
             DeclareLaunchArgument("parameters", default_value="", description="a parameter file for all nodes"),
             DeclareLaunchArgument("forget", default_value="false", description="keep no journals, and of a cell no orders"),

@@ -30,6 +30,7 @@ impl Meaning for StationState {
         present("boot_id", self.boot_id != 0)?;
         present("station", !self.station.is_empty())?;
         mode(self.mode)?;
+        within("lifecycle", self.lifecycle, StationState::LIFECYCLE_UNCONFIGURED, StationState::LIFECYCLE_FINALIZED)?;
         parallel(("started", self.started.len()), ("done", self.done.len()))?;
         parallel(("places", self.places.len()), ("done", self.done.len()))?;
         for &place in &self.places {

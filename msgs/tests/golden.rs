@@ -76,6 +76,9 @@ fn version_1() {
     let (event, described) = samples::parameters();
     holds("v1", event);
     holds("v1", described);
+    let (transitions, event) = samples::lifecycle();
+    holds("v1", transitions);
+    holds("v1", event);
 }
 
 /// Mode orders found generations, name stations that are in emergency stop or in manual by themselves, carry resume, and name the
@@ -85,13 +88,11 @@ fn version_6() {
     holds("v6", samples::mode_order());
 }
 
-/// A station reports its generation, its measured positions, whether its place is known, and why an operation was stopped. The
-/// state of the line has what keeps a mode as fields, and the age of a refusal. These, images and states of orders have the fingerprint
+/// The state of the line has what keeps a mode as fields, and the age of a refusal. It, images and states of orders have the fingerprint
 /// of the description. Orders are left in three ways, and a station reports the way of the last message, and whether it stands in a
 /// handshake. No node was released that used an earlier version.
 #[test]
 fn version_7() {
-    holds("v7", samples::station_state());
     holds("v7", samples::line_state());
     holds("v7", samples::order_state());
     holds("v7", samples::secure_order());
@@ -104,4 +105,11 @@ fn version_7() {
 #[test]
 fn version_9() {
     holds("v9", samples::cell_state());
+}
+
+/// A station reports its generation, its measured positions, whether its place is known, why an operation was stopped, the fingerprint
+/// of the description, and the state of its node. No node was released that used an earlier version.
+#[test]
+fn version_10() {
+    holds("v10", samples::station_state());
 }

@@ -42,6 +42,8 @@ fn every_truncation_is_an_error() {
     all(&samples::order_state());
     all(&samples::production_request());
     all(&samples::cell_state());
+    all(&samples::lifecycle().0);
+    all(&samples::lifecycle().1);
 }
 
 #[test]
@@ -71,10 +73,11 @@ fn a_seventeenth_byte_of_an_image_does_not_decode() {
 fn what_decodes_is_not_yet_believed() {
     let good = samples::station_state();
     type Spoil = fn(&mut StationState);
-    let cases: [(Spoil, &str); 9] = [
+    let cases: [(Spoil, &str); 10] = [
         (|s| s.boot_id = 0, "boot_id"),
         (|s| s.station.clear(), "station"),
         (|s| s.mode = 6, "mode is 6, known are 0 to 5"),
+        (|s| s.lifecycle = 0, "lifecycle is 0, known are 1 to 4"),
         (|s| s.places[0] = 7, "places is 7"),
         (|s| s.done.push(0), "started holds 3 elements but done holds 4"),
         (|s| s.incomplete.push(3), "incomplete names operation 3"),

@@ -58,7 +58,8 @@ async fn member(args: &RosArgs, me: u64, count: u64, seconds: u64, hz: u64) -> R
             _ = tick.tick() => {
                 sequence += 1;
                 publisher.send(StationState {
-                    header: stamp(), boot_id: boot_id(), sequence, station: format!("s{me}"), ..Default::default()
+                    header: stamp(), boot_id: boot_id(), sequence, station: format!("s{me}"),
+                    lifecycle: StationState::LIFECYCLE_ACTIVE, ..Default::default()
                 });
             }
             Some(other) = heard.recv() => {

@@ -38,6 +38,11 @@ pub fn stamp() -> Header {
     Header { stamp: Time { sec, nanosec: now.subsec_nanos() }, frame_id: String::new() }
 }
 
+/// Time of the host in ns since 1970.
+pub(crate) fn nanoseconds() -> u64 {
+    u64::try_from(since_epoch().as_nanos()).unwrap_or(u64::MAX)
+}
+
 fn since_epoch() -> std::time::Duration {
     SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
 }

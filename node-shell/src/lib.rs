@@ -16,6 +16,7 @@ mod claim;
 mod environment;
 mod identity;
 mod journal;
+mod lifecycle;
 pub mod log;
 mod logging;
 mod lossy;
@@ -42,6 +43,7 @@ pub use claim::{Claim, ClaimError, RunName, bus_managed_by, clock, lines_managin
 pub use environment::{EnvironmentError, Range};
 pub use identity::{boot_id, fresh_boot_id, fresh_key, stamp};
 pub use journal::{Journal, JournalError};
+pub use lifecycle::{ChangeRequest, Lifecycle};
 pub use logging::{LoggingError, flush_stderr, init as init_logging, level_at_start, set_log_level, stderr_line};
 pub use pace::{MessagePace, forward_present, forward_timely};
 pub use parameters::{LOG_LEVEL_NAME, Parameters};

@@ -6,11 +6,12 @@
 //!
 //! `LINEWRIGHT_INTEROP_PYTHON` names the interpreter that has the package (default `python3`).
 
+use linewright_lifecycle::LifecycleOutcome;
 use linewright_msgs::{
     Answer, CORead, CoReadRequest, CoReadResponse, RunTask, RunTaskFeedback, RunTaskResult, StationState, Text,
 };
 use linewright_node_shell::{
-    GoalAsked, GoalEnd, GoalRequest, Parameters, Participant, RosArgs, qos, serve, serve_action, stamp,
+    GoalAsked, GoalEnd, GoalRequest, Lifecycle, Parameters, Participant, RosArgs, qos, serve, serve_action, stamp,
 };
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
@@ -71,6 +72,7 @@ fn inside_the_namespace() {
     runtime.block_on(a_service_is_called());
     runtime.block_on(an_action_is_asked_for());
     runtime.block_on(parameters_are_asked_for_and_set());
+    runtime.block_on(the_state_of_a_node_is_asked_for_and_changed());
 }
 
 async fn both_ways() {
@@ -206,12 +208,53 @@ async fn parameters_are_asked_for_and_set() {
     assert!(!parameters.is_failed());
 }
 
+/// As rclpy under rmw_cyclonedds sends it, for each of the five services.
+async fn the_state_of_a_node_is_asked_for_and_changed() {
+    let participant = Participant::open(&RosArgs::default()).expect("participant");
+    let mut node = participant.node("/line", "lathe").expect("node");
+    let mut lifecycle = Lifecycle::serve(&mut node).expect("services");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/interop/lifecycle.py");
+    let peer = Command::new(python()).args([script, "0", "/line/lathe"]).stdout(Stdio::piped()).spawn();
+    let peer = peer.expect("the peer starts");
+    let ended = tokio::task::spawn_blocking(move || peer.wait_with_output());
+    while !ended.is_finished() {
+        if let Ok(asked) = timeout(Duration::from_millis(100), lifecycle.next()).await {
+            let begun = lifecycle.begin(&asked);
+            assert_eq!(begun.map(|_| lifecycle.conclude(LifecycleOutcome::Success)), begun.map(|_| None));
+            asked.answer(begun.is_some());
+        }
+    }
+    let said = String::from_utf8(ended.await.expect("waited for").expect("its output").stdout).expect("text");
+    println!("Cyclone DDS led a node through its states:\n{said}");
+    let expected = [
+        "state unconfigured",
+        "states [(0, 'unknown'), (1, 'unconfigured'), (2, 'inactive'), (3, 'active'), (4, 'finalized'), (10, 'configuring'), \
+         (11, 'cleaningup'), (12, 'shuttingdown'), (13, 'activating'), (14, 'deactivating'), (15, 'errorprocessing')]",
+        "available ['configure [1] unconfigured configuring', 'shutdown [5] unconfigured shuttingdown']",
+        "graph 25",
+        "change False",
+        "change True inactive",
+        "change True active",
+        "change False active",
+        "change True inactive",
+        "event configure [1] unconfigured configuring True",
+        "event transition_success [10] configuring inactive True",
+        "event activate [3] inactive activating True",
+        "event transition_success [30] activating active True",
+        "event deactivate [4] active deactivating True",
+        "event transition_success [40] deactivating inactive True",
+    ];
+    assert_eq!(said.lines().collect::<Vec<_>>(), expected);
+    assert!(!lifecycle.is_failed());
+}
+
 fn state() -> StationState {
     StationState {
         header: stamp(),
         boot_id: u64::MAX - 1,
         sequence: 1,
         station: "s1".into(),
+        lifecycle: StationState::LIFECYCLE_ACTIVE,
         description: u64::MAX - 2,
         done: vec![3, 2],
         started: vec![3, 3],

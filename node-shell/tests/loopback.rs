@@ -46,6 +46,7 @@ async fn until_matched(writer: &RosNode, topic: &str) {
 fn state(sequence: u64) -> StationState {
     let mut state = StationState { header: stamp(), boot_id: fresh_boot_id(), sequence, ..Default::default() };
     state.station = "s1".to_owned();
+    state.lifecycle = StationState::LIFECYCLE_ACTIVE;
     state
 }
 

@@ -64,6 +64,9 @@ pub struct Args {
     /// Leave the line at home in its first mode, to be operated from elsewhere.
     #[arg(long)]
     no_auto: bool,
+    /// Nodes wait for the transitions configure and activate of a lifecycle manager, and the run gives no command.
+    #[arg(long)]
+    no_autostart: bool,
     /// Start a line that `check --structure` refuses.
     #[arg(long)]
     unchecked: bool,
@@ -241,7 +244,7 @@ impl Session {
             target: args.cycles,
             cell: None,
             given: String::new(),
-            auto_once: if args.no_auto { AutoOnce::by_others() } else { AutoOnce::default() },
+            auto_once: if args.no_auto || args.no_autostart { AutoOnce::by_others() } else { AutoOnce::default() },
             virtual_bus,
             live,
             json: args.json,

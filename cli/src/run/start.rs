@@ -106,11 +106,13 @@ pub async fn start_all(
     }
     let retention = args.retention.map(|days| days.to_string());
     let mut coordinator = vec!["coordinator", "--bus", &args.bus, "--state-dir", &state];
+    coordinator.extend(args.no_autostart.then_some("--no-autostart"));
     coordinator.extend(retention.iter().flat_map(|days| ["--retention", days]));
     children.start("coordinator", words(&coordinator))?;
     for group in line.stations.chunks(args.stations_per_process) {
         let names: Vec<&str> = group.iter().map(|station| station.name.as_str()).collect();
         let mut more = vec!["station", "--state-dir", &state];
+        more.extend(args.no_autostart.then_some("--no-autostart"));
         for name in &names {
             more.extend(["--station", name]);
         }

@@ -19,6 +19,7 @@ mod full_disk;
 mod interrupts;
 mod kept_machine;
 mod kills;
+mod lifecycle;
 mod modbus;
 mod operated;
 mod other_devices;

@@ -5,52 +5,22 @@
 //!                             ── set timing.lease_ms ──▶ refused, with the place that sets it; the line cycles on
 //! ```
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use linewright_msgs::{
-    DiagnosticArray, GetParameters, GetParametersRequest, Parameter, ParameterValue, RosService, SetParameters,
+    DiagnosticArray, GetParameters, GetParametersRequest, Parameter, ParameterValue, SetParameters,
     SetParametersRequest, SetParametersResult, StationState,
 };
-use linewright_node_shell::{Caller, Mapping, Participant, RosArgs, RosNode, qos};
-use tokio::runtime::Runtime;
+use linewright_node_shell::{Caller, qos};
 
 use crate::support::operator::Operator;
 use crate::support::rig::{Rig, line};
+use crate::support::stranger::Stranger;
 use crate::support::{PATIENCE, wait_for};
 
-/// Anybody on this machine.
-struct Stranger {
-    runtime: Runtime,
-    node: RosNode,
-}
-
-impl Stranger {
-    fn join(rig: &Rig) -> Self {
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
-        let args = RosArgs { domain_id: rig.domain(), ..RosArgs::default() };
-        let participant = Participant::open(&args).expect("a participant");
-        Stranger { runtime, node: participant.node("/elsewhere", "stranger").expect("a node") }
-    }
-
-    fn caller<S: RosService>(&mut self, service: &str) -> Caller<S> {
-        self.node.caller(service, Mapping::Enhanced).expect("a service")
-    }
-
-    /// Repeats a request until it is answered: one sent before discovery is lost.
-    fn ask<S: RosService>(&self, caller: &Caller<S>, request: &S::Request) -> S::Response {
-        let end = Instant::now() + PATIENCE;
-        loop {
-            match self.runtime.block_on(caller.call(request.clone(), Duration::from_secs(2))) {
-                Ok(response) => return response,
-                Err(error) => assert!(Instant::now() < end, "{error}"),
-            }
-        }
-    }
-
-    fn set(&self, caller: &Caller<SetParameters>, name: &str, value: ParameterValue) -> SetParametersResult {
-        let parameters = vec![Parameter { name: name.to_owned(), value }];
-        self.ask(caller, &SetParametersRequest { parameters }).results.remove(0)
-    }
+fn set(stranger: &Stranger, caller: &Caller<SetParameters>, name: &str, value: ParameterValue) -> SetParametersResult {
+    let parameters = vec![Parameter { name: name.to_owned(), value }];
+    stranger.ask(caller, &SetParametersRequest { parameters }).results.remove(0)
 }
 
 fn text(value: &str) -> ParameterValue {
@@ -88,25 +58,25 @@ fn a_stranger_sets_what_no_check_rests_on_while_the_line_cycles() {
     assert_eq!(values, [double(5.0), text("info")], "the file counts");
 
     let station = stranger.caller::<SetParameters>("/transfer_line/clamp_1/set_parameters");
-    assert!(stranger.set(&station, "log_level", text("warn")).successful);
+    assert!(set(&stranger, &station, "log_level", text("warn")).successful);
     let silent = rig.log("clamp_1");
     operator.cycles(1);
     assert_eq!(rig.log("clamp_1"), silent, "what happened in a cycle is not in the log");
-    assert!(stranger.set(&station, "log_level", text("info")).successful);
+    assert!(set(&stranger, &station, "log_level", text("info")).successful);
     assert!(wait_for(PATIENCE, || rig.log("clamp_1").len() > silent.len() + 100), "and now it is again");
 
     let (r#type, integer_value) = (ParameterValue::TYPE_INTEGER, 60_000);
     let lease = ParameterValue { r#type, integer_value, ..ParameterValue::default() };
-    let refused = stranger.set(&station, "timing.lease_ms", lease);
+    let refused = set(&stranger, &station, "timing.lease_ms", lease);
     let reason =
         "timing.lease_ms is read-only, and is 2000; it is set by lease_ms in [timing] of the line's description";
     assert_eq!((refused.successful, refused.reason.as_str()), (false, reason));
 
     // A rate that is set is the rate at which messages come.
     let coordinator = stranger.caller::<SetParameters>("/transfer_line/coordinator/set_parameters");
-    let refused = stranger.set(&coordinator, "diagnostics_period_s", double(0.01)).reason;
+    let refused = set(&stranger, &coordinator, "diagnostics_period_s", double(0.01)).reason;
     assert_eq!(refused, "diagnostics_period_s is from 0.5 to 10.0, and not 0.01");
-    assert!(stranger.set(&coordinator, "diagnostics_period_s", double(0.5)).successful);
+    assert!(set(&stranger, &coordinator, "diagnostics_period_s", double(0.5)).successful);
     let mut topic = stranger.node.subscription::<DiagnosticArray>("/diagnostics", qos::event()).expect("a topic");
     let eight = async {
         for _ in 0..8 {
@@ -117,7 +87,7 @@ fn a_stranger_sets_what_no_check_rests_on_while_the_line_cycles() {
     assert!(came.is_ok(), "every 5 s there would be two");
     for nth in 0..500 {
         let period = if nth % 2 == 0 { 1.0 } else { 0.5 };
-        assert!(stranger.set(&coordinator, "diagnostics_period_s", double(period)).successful);
+        assert!(set(&stranger, &coordinator, "diagnostics_period_s", double(period)).successful);
     }
     let log = rig.log("coordinator");
     assert!(log.matches("diagnostics_period_s is").count() < 30, "{log}");

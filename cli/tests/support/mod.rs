@@ -20,6 +20,7 @@ pub mod gate;
 pub mod operator;
 pub mod plan;
 pub mod rig;
+pub mod stranger;
 pub mod turn;
 
 use std::time::{Duration, Instant};

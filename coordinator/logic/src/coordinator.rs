@@ -9,8 +9,10 @@
 mod alone;
 mod console;
 mod cycle;
+mod entry;
 mod exchange;
 mod founding;
+mod inactive;
 mod obey;
 mod single;
 mod standing;
@@ -22,6 +24,7 @@ pub use single::ManualPermit;
 pub use standing::ModeStanding;
 pub use stop::EStopCause;
 
+use linewright_lifecycle::LifecycleState;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick};
 
@@ -29,45 +32,7 @@ use crate::buttons::Buttons;
 use crate::decision::{ModeCommand, ModeFacts, next};
 use crate::refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
 use crate::resume::ResumeButton;
-
-#[derive(Clone, Debug, Default)]
-struct StationEntry {
-    heard: StationView,
-    known_until: Tick,
-    /// Its devices have been operational since it, or the coordinator, was started.
-    had_devices: bool,
-    /// Came up anew while the line was in auto or hand, and no operator has acknowledged it since.
-    restarted: bool,
-    /// Its counts are compared with others'.
-    compares: bool,
-    /// Not received when auto or hand was left, nor since.
-    missed: bool,
-    /// Task-driven: it has no rounds, and is at home at any rest.
-    task_driven: bool,
-    /// Its fault is an exception of its order (see [`Coordinator::isolate`]).
-    isolated: bool,
-    /// Between two rests, at no order (see [`Coordinator::hold`]).
-    held: bool,
-    /// In emergency stop by itself (see [`Coordinator::stop_alone`]).
-    stopped: bool,
-    /// The epoch in which it was reset from that last.
-    reset_in: u64,
-    /// What its cell permits (see [`Coordinator::permit_manual`]).
-    permit: Option<ManualPermit>,
-    single: single::Single,
-}
-
-impl StationEntry {
-    fn of(line: &Line, id: StationId) -> Self {
-        let compares = line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
-        StationEntry { task_driven: line.station(id).is_task_driven(), compares, ..StationEntry::default() }
-    }
-
-    /// Whether it is not in the latest round, or at the end of it.
-    fn is_behind(&self, latest_round: i32) -> bool {
-        !self.task_driven && self.heard.round != latest_round
-    }
-}
+use entry::StationEntry;
 
 #[derive(Clone, Debug)]
 pub struct Coordinator {
@@ -91,6 +56,8 @@ pub struct Coordinator {
     stopped_in: u64,
     /// The journal cannot be written.
     journal_lost: bool,
+    /// State of this coordinator's node, if it is not active.
+    inactive: Option<LifecycleState>,
     /// Another coordinator, and until when it counts as there.
     rival: Option<(u64, Tick)>,
     /// "Manual" was commanded: as if every selector stood at manual.
@@ -141,6 +108,7 @@ impl Coordinator {
             released: 0,
             stopped_in: 0,
             journal_lost: false,
+            inactive: None,
             rival: None,
             manual_all: false,
             manual_until: Tick::ZERO,
@@ -244,6 +212,7 @@ impl Coordinator {
                 }
             }
             ModeInput::StationStopped(id) => self.stop(EStopCause::Station(id)),
+            ModeInput::Lifecycle(state) => self.take_lifecycle(state),
         }
     }
 
@@ -253,6 +222,9 @@ impl Coordinator {
     }
 
     fn hear_station(&mut self, id: StationId, heard: StationView) {
+        if heard.inactive.is_some() {
+            return self.hear_inactive(id, heard.inactive);
+        }
         let (now, knew_rounds) = (self.now, self.knows_rounds());
         let Some(station) = self.stations.get_mut(id.index()) else { return };
         let rebooted = station.heard.boot_id != 0 && station.heard.boot_id != heard.boot_id;
@@ -263,6 +235,7 @@ impl Coordinator {
         station.had_devices = heard.devices_valid || station.had_devices && !rebooted;
         station.heard = heard;
         station.known_until = now + self.line.timing.stale;
+        station.inactive = None;
         self.changed |= news;
         self.follow_founding();
         self.follow_cycle(knew_rounds);
@@ -308,7 +281,7 @@ impl Coordinator {
             all_home,
             away: self.stations.iter().any(|s| self.is_known(s) && !s.heard.at_home),
             all_stopped: self.all(|h| self.is_at_rest(h)),
-            any_manual: self.is_manual_commanded() || self.any_selector(),
+            any_manual: self.inactive.is_none() && (self.is_manual_commanded() || self.any_selector()),
         }
     }
 
@@ -328,6 +301,7 @@ impl Coordinator {
         if self.journal_lost {
             reasons.push(ModeRefusal::JournalLost);
         }
+        reasons.extend(self.inactive.map(ModeRefusal::CoordinatorInactive));
         reasons.extend(self.rival().map(ModeRefusal::OtherCoordinator));
         if self.console_was_heard && !self.console.1 {
             reasons.push(ModeRefusal::ConsoleLost);
@@ -387,7 +361,7 @@ impl Coordinator {
     }
 
     fn unheard(&self) -> Vec<ModeRefusal> {
-        self.counted().filter(|(_, s)| !self.is_known(s)).map(|(id, _)| ModeRefusal::NotHeard(id)).collect()
+        self.counted().filter(|(_, s)| !self.is_known(s)).map(|(id, s)| self.silence(id, s)).collect()
     }
 
     /// Plays the net until no arc is allowed. A command is used by the first arc that takes it.
@@ -452,7 +426,7 @@ impl Coordinator {
         self.decide(None);
         // In no mode, manual included, while it is not known whether the emergency stop button is pressed, or while another
         // coordinator gives orders as well.
-        let is_alone = self.rival().is_none();
+        let is_alone = self.rival().is_none() && self.inactive.is_none();
         let enables = self.mode.enables_motion() && is_alone && !self.console_is_unknown() && self.founding.is_none();
         self.changed |= self.enabled && !is_alone;
         self.enabled &= is_alone;
@@ -474,7 +448,7 @@ impl Coordinator {
 
     /// Time of the next step if nothing arrives before.
     pub fn next_deadline(&self) -> Option<Tick> {
-        let views = self.stations.iter().map(|s| s.known_until);
+        let views = self.stations.iter().flat_map(|s| [s.known_until, s.inactive.map_or(Tick::ZERO, |of| of.1)]);
         let rival = self.rival.map_or(Tick::ZERO, |(_, until)| until);
         let manual = [self.manual_waits_until(), self.manual_given_up_at()];
         views.chain(manual).chain([self.buttons.until(), self.resume.until(), rival]).filter(|&t| t > self.now).min()

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use linewright_lifecycle::LifecycleState;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId};
 
@@ -48,6 +49,10 @@ pub enum ModeRefusal {
     /// The console's devices have not been received since the coordinator came up.
     ConsoleNeverHeard,
     NotHeard(StationId),
+    /// The node of a station is not active.
+    Inactive(StationId, LifecycleState),
+    /// The coordinator's own node is not.
+    CoordinatorInactive(LifecycleState),
     DevicesLost(StationId),
     /// The devices of a station have not been operational since it, or the coordinator, was started: none is lost.
     DevicesAwaited(StationId),

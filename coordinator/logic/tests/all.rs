@@ -4,6 +4,7 @@ mod buttons;
 mod common;
 mod cycle_time;
 mod gateway;
+mod inactive;
 mod isolated;
 mod mode_table;
 mod resume;

@@ -4,6 +4,7 @@
 use linewright_coordinator_logic::{
     ApartCause, EStopButton, EStopCause, ModeCommand, ModeRefusal, ModeText, OperatorCommand, RefusedCommand,
 };
+use linewright_lifecycle::LifecycleState;
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, StationId};
 use linewright_testkit::built::transfer_line;
@@ -27,6 +28,9 @@ fn reasons() -> Vec<ModeRefusal> {
         ModeRefusal::OtherCoordinator(_) => ModeRefusal::OtherCoordinator(23);
         ModeRefusal::ConsoleNeverHeard => ModeRefusal::ConsoleNeverHeard;
         ModeRefusal::NotHeard(_) => ModeRefusal::NotHeard(station);
+        ModeRefusal::Inactive(..) => ModeRefusal::Inactive(station, LifecycleState::Inactive),
+            ModeRefusal::Inactive(station, LifecycleState::Finalized);
+        ModeRefusal::CoordinatorInactive(_) => ModeRefusal::CoordinatorInactive(LifecycleState::Unconfigured);
         ModeRefusal::DevicesLost(_) => ModeRefusal::DevicesLost(station);
         ModeRefusal::DevicesAwaited(_) => ModeRefusal::DevicesAwaited(station);
         ModeRefusal::Incomplete(..) => ModeRefusal::Incomplete(station, None);

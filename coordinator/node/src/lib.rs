@@ -9,6 +9,7 @@
 pub mod cell;
 mod command;
 mod gateway_topics;
+mod lifecycle;
 pub mod line;
 mod node;
 mod publish;

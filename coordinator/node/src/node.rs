@@ -13,7 +13,8 @@ use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
 use linewright_node_line::devices::{Devices, in_words};
 use linewright_node_line::{Waiting, open_buses, quoted, report_from_message};
 use linewright_node_shell::{
-    Forward, JournalError, JournalWriter, OpenError, Parameters, Participant, TopicError, Watchdog, fresh_boot_id,
+    ChangeRequest, Forward, JournalError, JournalWriter, Lifecycle, OpenError, Parameters, Participant, TopicError,
+    Watchdog, fresh_boot_id,
 };
 use linewright_parameters::ParameterSet;
 use linewright_station_shell::parameters::DIAGNOSTICS_PERIOD;
@@ -28,7 +29,7 @@ use crate::refusals::Refusals;
 use crate::remembered::remembered;
 use crate::situation::LineSituation;
 use crate::stop_time::StopTime;
-use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open};
+use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, inactive, open};
 
 /// Reason why the coordinator's node cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -80,6 +81,8 @@ pub struct CoordinatorOptions {
     pub clock: Clock,
     /// The parameters, with the values that they are started with.
     pub parameters: ParameterSet,
+    /// The node is active at once; otherwise it waits for the transitions configure and activate.
+    pub autostart: bool,
 }
 
 /// Runs the coordinator until `stop` turns true, then switches all outputs off.
@@ -157,6 +160,8 @@ pub(crate) struct CoordinatorLoop {
     ignored: u64,
     has_ended: bool,
     parameters: Parameters,
+    pub(crate) lifecycle: Lifecycle,
+    pub(crate) asked: Option<ChangeRequest>,
     // The node must outlive its publishers and subscriptions.
     _node: linewright_node_shell::RosNode,
 }
@@ -170,7 +175,8 @@ impl Drop for CoordinatorLoop {
 
 impl CoordinatorLoop {
     fn start(options: CoordinatorOptions, participant: &Participant) -> Result<Self, CoordinatorNodeError> {
-        let CoordinatorOptions { line, cell, interface, state_dir, retention, bus, clock, parameters } = options;
+        let CoordinatorOptions { line, cell, interface, state_dir, retention, bus, clock, .. } = options;
+        let CoordinatorOptions { parameters, autostart, .. } = options;
         let descriptions = Fingerprints::of(&line, cell.as_ref());
         let (journal, record) = match &state_dir {
             Some(dir) => {
@@ -180,12 +186,11 @@ impl CoordinatorLoop {
             }
             None => (None, None),
         };
-        let devices = line.devices.iter().filter(|device| device.bus == DeviceBus::Line);
-        let buses = open_buses(devices, &interface, &bus, line.timing, clock)?;
+        let on_bus = line.devices.iter().filter(|device| device.bus == DeviceBus::Line);
+        let buses = open_buses(on_bus.clone(), &interface, &bus, line.timing, clock)?;
         tracing::info!("line devices on {}", buses.describe());
         let mut node = participant.node(&format!("/{}", line.name), "coordinator")?;
         let (says, from, tasks) = open(&mut node, &line)?;
-        let on_bus = line.devices.iter().filter(|device| device.bus == DeviceBus::Line);
         let devices = Devices::open(&mut node, &line, on_bus)?;
         let mut behind = Vec::new();
         for station in line.station_ids().filter(|&id| line.station(id).bus == DeviceBus::Line) {
@@ -198,6 +203,7 @@ impl CoordinatorLoop {
         let last = buses.last_orders();
         let cell = cell.map(|options| CellThread::open(options, &mut node, last)).transpose()?;
         let parameters = Parameters::serve(&mut node, parameters)?;
+        let lifecycle = Lifecycle::serve(&mut node)?;
         let mut node = CoordinatorLoop {
             shell: CoordinatorShell::new(&line, boot_id, record.unwrap_or_default()),
             effects: Vec::new(),
@@ -224,9 +230,12 @@ impl CoordinatorLoop {
             line,
             descriptions,
             parameters,
+            lifecycle,
+            asked: None,
             _node: node,
         };
         node.follow_parameters();
+        node.come_up(autostart);
         Ok(node)
     }
 
@@ -245,8 +254,8 @@ impl CoordinatorLoop {
         self.act().await?;
         loop {
             watchdog.feed();
-            let deadline = self.shell.next_deadline(self.clock.now()).min(self.devices.deadline());
-            let deadline = if self.waiting.is_empty() { deadline } else { Tick::ZERO };
+            let due = self.shell.next_deadline(self.clock.now()).min(self.devices.deadline());
+            let deadline = if self.waiting.is_empty() && self.asked.is_none() { due } else { Tick::ZERO };
             tokio::select! {
                 biased;
                 changed = stop.changed() => {
@@ -267,23 +276,27 @@ impl CoordinatorLoop {
                 },
                 news = CellThread::news(&mut self.cell) => news?,
                 () = self.parameters.changed() => self.follow_parameters(),
+                asked = self.lifecycle.next(), if self.asked.is_none() => self.asked = Some(asked),
                 () = self.clock.sleep_until(Some(deadline)) => {}
                 () = tokio::time::sleep(Watchdog::FEED) => {}
             }
             self.take();
             self.act().await?;
+            if let Some(asked) = self.asked.take() {
+                self.change(asked).await?;
+            }
             if let Some(other) = self.shell.gives_way_to(self.clock.now()) {
                 return Err(CoordinatorNodeError::Second(other));
             }
             let cut_off = self.cell.as_ref().is_some_and(CellThread::is_cut_off);
-            let has_failed = self.devices.is_failed() || self.parameters.is_failed();
+            let has_failed = self.devices.is_failed() || self.parameters.is_failed() || self.lifecycle.is_failed();
             if self.tasks.iter().any(Forward::is_finished) || has_failed || cut_off {
                 return Err(CoordinatorNodeError::Middleware);
             }
         }
     }
 
-    fn ignore(&mut self, why: impl std::fmt::Display) {
+    pub(crate) fn ignore(&mut self, why: impl std::fmt::Display) {
         self.ignored += 1;
         if self.ignored.is_power_of_two() {
             tracing::warn!(ignored = self.ignored, "ignored a message: {why}");
@@ -320,7 +333,7 @@ impl CoordinatorLoop {
                         if let Some(history) = &mut self.history {
                             history.state(self.clock.now(), station, &message);
                         }
-                        let heard = StationView { follows, ..heard(&report) };
+                        let heard = StationView { follows, inactive: inactive(&message), ..heard(&report) };
                         if !self.shell.handle(self.clock.now(), CoordinatorArrival::State { station, sequence, heard })
                         {
                             let (epoch, name) = (heard.mode_epoch, &message.station);
@@ -387,7 +400,7 @@ impl CoordinatorLoop {
     ///
     /// # Errors
     /// When the bus or the middleware fails while a record is being written.
-    async fn act(&mut self) -> Result<(), CoordinatorNodeError> {
+    pub(crate) async fn act(&mut self) -> Result<(), CoordinatorNodeError> {
         while self.is_interrupted().await? {
             self.take();
         }

@@ -1,6 +1,7 @@
 //! ROS 2 topics of the coordinator.
 
 use linewright_coordinator_logic::{CompletedCycle, ModeCommand, ModeStanding};
+use linewright_lifecycle::LifecycleState;
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{CycleTime, Flag, LineState, ModeOrder, ProcessImage, StationState, Text};
 use linewright_node_shell::{
@@ -51,6 +52,11 @@ pub struct CoordinatorPublishers {
 pub fn cycle_time_message(cycle: CompletedCycle) -> Option<CycleTime> {
     let took = cycle.took?;
     Some(CycleTime { header: stamp(), number: cycle.number, duration_s: took.as_secs_f64() })
+}
+
+/// State of a station's node by its message, if that is not active.
+pub fn inactive(message: &StationState) -> Option<LifecycleState> {
+    LifecycleState::of_code(message.lifecycle).filter(|state| *state != LifecycleState::Active)
 }
 
 /// The message with what keeps the mode.

@@ -78,6 +78,11 @@ impl CoordinatorLoop {
                     self.waiting.arrived.push_back(arrived);
                     is_stop
                 }
+                // One at a time: more wait in the middleware. What an end of activity takes back is order and mode, decided after it.
+                asked = self.lifecycle.next(), if self.asked.is_none() => {
+                    self.asked = Some(asked);
+                    false
+                }
                 () = self.clock.sleep_until(repeat) => {
                     repeat = Some(self.clock.now() + self.line.timing.refresh);
                     let sequence = self.shell.repeat_order();

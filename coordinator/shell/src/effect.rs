@@ -134,6 +134,8 @@ pub fn heard(report: &StationReport) -> StationView {
         generation: report.generation,
         position_lost: report.position_lost.is_some(),
         estopped: report.mode == Some(ControlMode::EStop),
+        // The same.
+        inactive: None,
     }
 }
 

@@ -13,6 +13,7 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::{Coordinator, Gateway, ManualPermit, ModeInput, ModeOutbox};
+use linewright_lifecycle::LifecycleState;
 use linewright_line::net::ControlMode;
 use linewright_line::{DeviceBus, Line, StationId, Tick};
 use linewright_station_logic::ModeOrder;
@@ -317,6 +318,23 @@ impl CoordinatorShell {
         let changed = self.outbox.changed;
         self.coordinator.step(now, &mut self.outbox);
         self.outbox.changed |= changed;
+    }
+
+    /// Follows the state of the coordinator's own node. Call it whenever that changes.
+    pub fn follow_lifecycle(&mut self, now: Tick, state: LifecycleState) {
+        self.notice_gap(now);
+        self.coordinator.handle(now, ModeInput::Lifecycle(state));
+    }
+
+    /// Reason why the node cannot be configured.
+    pub fn against_configuring(&self) -> Option<&'static str> {
+        self.write_again.map(|_| "the journal cannot be written")
+    }
+
+    /// Reason why the node cannot be activated.
+    pub fn against_activity(&mut self, now: Tick) -> Option<&'static str> {
+        self.notice_gap(now);
+        (now < self.doubts_until).then_some("the node stood still just before it; give it again")
     }
 
     /// A refusal is to be sent soon, but a flood of foolish commands no faster than reliable topics can bear.

@@ -3,6 +3,7 @@
 mod cycle_time;
 mod founding;
 mod held;
+mod lifecycle;
 mod parameters;
 mod records;
 mod rig;

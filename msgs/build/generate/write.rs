@@ -3,7 +3,8 @@
 use super::read::{Doc, FieldType, MessageConstant, MessageField, MessageSection};
 
 /// Messages whose names mean something else in Rust.
-const RENAMED: [(&str, &str); 2] = [("String", "Text"), ("Bool", "Flag")];
+const RENAMED: [(&str, &str); 4] =
+    [("String", "Text"), ("Bool", "Flag"), ("State", "NodeState"), ("Transition", "NodeTransition")];
 
 /// Services whose names are not written as Rust's types are; the service keeps its name, its two messages do not.
 const PARTS: [(&str, &str); 4] =

@@ -3,10 +3,11 @@
 
 use linewright_msgs::{
     ActivityState, AlarmState, Answer, Bounded, Byte, CellState, CoReadRequest, CoReadResponse, CoWriteIdRequest,
-    CycleTime, DescribeParametersResponse, DiagnosticArray, DiagnosticStatus, Flag, FloatingPointRange, Header,
-    IntegerRange, KeyValue, LineState, ModeOrder, OrderEnd, OrderState, Parameter, ParameterDescriptor, ParameterEvent,
-    ParameterValue, PartState, ProcessImage, ProductionRequest, ProductionState, RunTaskFeedback, RunTaskGoal,
-    RunTaskResult, SecureOrder, StationEvent, StationState, Text, Time, TriggerResponse,
+    CycleTime, DescribeParametersResponse, DiagnosticArray, DiagnosticStatus, Flag, FloatingPointRange,
+    GetAvailableTransitionsResponse, Header, IntegerRange, KeyValue, LineState, ModeOrder, NodeState, NodeTransition,
+    OrderEnd, OrderState, Parameter, ParameterDescriptor, ParameterEvent, ParameterValue, PartState, ProcessImage,
+    ProductionRequest, ProductionState, RunTaskFeedback, RunTaskGoal, RunTaskResult, SecureOrder, StationEvent,
+    StationState, Text, Time, TransitionDescription, TransitionEvent, TriggerResponse,
 };
 
 pub fn header() -> Header {
@@ -33,6 +34,7 @@ pub fn station_state() -> StationState {
         mode_epoch: 10,
         coordinator_boot_id: 0x0BAD_CAFE_0BAD_CAFE,
         mode: StationState::MODE_HAND,
+        lifecycle: StationState::LIFECYCLE_INACTIVE,
         generation: 0x1234_5678_9ABC_DEF0,
         cycle: 3,
         done: vec![3, 2, 2],
@@ -216,6 +218,24 @@ pub fn order_state() -> OrderState {
         refused: Bounded::new(vec![end(39, RunTaskResult::END_REFUSED, RunTaskResult::REFUSED_BUSY)]).unwrap(),
         inputs: Bounded::new(vec![0b101, 0x80]).unwrap(),
     }
+}
+
+/// The answer with transitions, and the event of one.
+pub fn lifecycle() -> (GetAvailableTransitionsResponse, TransitionEvent) {
+    let state = |id, label: &str| NodeState { id, label: label.into() };
+    let transition = |id, label: &str| NodeTransition { id, label: label.into() };
+    let described = TransitionDescription {
+        transition: transition(NodeTransition::TRANSITION_ACTIVATE, "activate"),
+        start_state: state(NodeState::PRIMARY_STATE_INACTIVE, "inactive"),
+        goal_state: state(NodeState::TRANSITION_STATE_ACTIVATING, "activating"),
+    };
+    let event = TransitionEvent {
+        timestamp: 1_700_000_000_123_456_789,
+        transition: transition(NodeTransition::TRANSITION_ON_ACTIVATE_SUCCESS, "transition_success"),
+        start_state: state(NodeState::TRANSITION_STATE_ACTIVATING, "activating"),
+        goal_state: state(NodeState::PRIMARY_STATE_ACTIVE, "active"),
+    };
+    (GetAvailableTransitionsResponse { available_transitions: vec![described] }, event)
 }
 
 pub fn parameters() -> (ParameterEvent, DescribeParametersResponse) {

@@ -54,6 +54,7 @@ class StationState_(IdlStruct, typename="linewright_msgs::msg::dds_::StationStat
     mode_epoch: uint64
     coordinator_boot_id: uint64
     mode: uint8
+    lifecycle: uint8
     generation: uint64
     cycle: int32
     done: sequence[int32]

@@ -6,6 +6,7 @@
 
 mod device_texts;
 mod journal;
+mod lifecycle;
 mod node;
 mod orders;
 mod tell;

@@ -11,8 +11,8 @@ use linewright_node_line::quoted;
 use linewright_node_line::{Confirmation, Waiting, open_buses};
 use linewright_node_line::{order_from_message, report_from_message};
 use linewright_node_shell::{
-    Forward, JournalError, JournalWriter, OpenError, Parameters, Participant, TopicError, Watchdog, fresh_boot_id,
-    stamp,
+    ChangeRequest, Forward, JournalError, JournalWriter, Lifecycle, OpenError, Parameters, Participant, TopicError,
+    Watchdog, fresh_boot_id, stamp,
 };
 use linewright_parameters::ParameterSet;
 use linewright_station_logic::{CompileError, LeaveWay, PanelCommand, Restore};
@@ -73,6 +73,8 @@ pub struct StationOptions {
     pub clock: Clock,
     /// The parameters, with the values that they are started with.
     pub parameters: ParameterSet,
+    /// The node is active at once; otherwise it waits for the transitions configure and activate.
+    pub autostart: bool,
 }
 
 /// Runs the station until `stop` turns true, then switches its outputs off.
@@ -138,6 +140,9 @@ pub(crate) struct StationLoop {
     pub(crate) message: StationState,
     has_ended: bool,
     parameters: Parameters,
+    pub(crate) lifecycle: Lifecycle,
+    /// A request that arrived while a record was being written.
+    pub(crate) asked: Option<ChangeRequest>,
     // The node must outlive its publishers and subscriptions.
     _node: linewright_node_shell::RosNode,
 }
@@ -151,7 +156,7 @@ impl Drop for StationLoop {
 
 impl StationLoop {
     fn start(options: StationOptions, participant: &Participant) -> Result<Self, StationNodeError> {
-        let StationOptions { line, station, state_dir, bus, clock, parameters } = options;
+        let StationOptions { line, station, state_dir, bus, clock, parameters, autostart } = options;
         let name = line.station(station).name.clone();
         let mut journal = None;
         let mut restore = Restore::Fresh;
@@ -174,6 +179,7 @@ impl StationLoop {
         }
         let boot_id = fresh_boot_id();
         let shell = StationShell::new(&line, station, boot_id, restore)?;
+        let shell = if autostart { shell } else { shell.unconfigured() };
         let buses = match &line.station(station).bus {
             DeviceBus::Line => None,
             DeviceBus::Own(interface) => {
@@ -193,6 +199,7 @@ impl StationLoop {
             .map(|_| DeviceDiagnosticsTopic::open(&mut node, "~/trouble", owner, "station"))
             .transpose()?;
         let parameters = Parameters::serve(&mut node, parameters)?;
+        let lifecycle = Lifecycle::serve(&mut node)?;
         let message = StationState { description: line.fingerprint(), ..StationState::default() };
         let mut node = StationLoop {
             line,
@@ -215,9 +222,14 @@ impl StationLoop {
             message,
             has_ended: false,
             parameters,
+            lifecycle,
+            asked: None,
             _node: node,
         };
         node.follow_parameters();
+        if autostart {
+            node.lifecycle.bring_up();
+        }
         Ok(node)
     }
 
@@ -232,7 +244,8 @@ impl StationLoop {
         self.act().await?;
         loop {
             watchdog.feed();
-            let deadline = if self.waiting.is_empty() { self.deadline() } else { Tick::ZERO };
+            let is_idle = self.waiting.is_empty() && self.asked.is_none();
+            let deadline = if is_idle { self.deadline() } else { Tick::ZERO };
             tokio::select! {
                 biased;
                 changed = stop.changed() => {
@@ -255,6 +268,7 @@ impl StationLoop {
                 },
                 asked = next_asked(&mut self.devices) => self.asked(asked),
                 () = self.parameters.changed() => self.follow_parameters(),
+                asked = self.lifecycle.next(), if self.asked.is_none() => self.asked = Some(asked),
                 () = self.clock.sleep_until(Some(deadline)) => {}
                 () = tokio::time::sleep(Watchdog::FEED) => {}
             }
@@ -268,7 +282,11 @@ impl StationLoop {
             }
             self.act().await?;
             let devices_failed = self.devices.as_ref().is_some_and(Devices::is_failed);
-            if self.tasks.iter().any(Forward::is_finished) || devices_failed || self.parameters.is_failed() {
+            if let Some(asked) = self.asked.take() {
+                self.change(asked).await?;
+            }
+            let services_failed = self.parameters.is_failed() || self.lifecycle.is_failed();
+            if self.tasks.iter().any(Forward::is_finished) || devices_failed || services_failed {
                 return Err(self.cut_off());
             }
         }
@@ -286,7 +304,7 @@ impl StationLoop {
         self.shell.handle(self.clock.now(), arrival, &mut self.effects);
     }
 
-    fn ignore(&mut self, why: impl std::fmt::Display) {
+    pub(crate) fn ignore(&mut self, why: impl std::fmt::Display) {
         self.shell.ignore(why, &mut self.effects);
     }
 
@@ -351,7 +369,7 @@ impl StationLoop {
         self.handle(StationArrival::Panel { console: 0, command: PanelCommand::Selector(is_manual) });
     }
 
-    fn bus_news(&mut self, news: &[News]) {
+    pub(crate) fn bus_news(&mut self, news: &[News]) {
         for one in news {
             match one {
                 News::InputsChanged { .. } | News::Answered => {}
@@ -389,7 +407,7 @@ impl StationLoop {
     /// # Errors
     /// When the journal cannot be written. A station restarted without its journal would report a past state: better to
     /// end now, with the outputs off.
-    async fn act(&mut self) -> Result<(), StationNodeError> {
+    pub(crate) async fn act(&mut self) -> Result<(), StationNodeError> {
         let now = self.clock.now();
         if let (Some(devices), Some(buses)) = (&mut self.devices, &self.buses) {
             devices.act(now, buses);

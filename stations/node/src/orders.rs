@@ -84,6 +84,11 @@ impl TaskOrderTopics {
         Ok(TaskOrderTopics { owner, state, goals: Vec::new(), told: None, report: StationReport::default(), message })
     }
 
+    /// The station begins another life.
+    pub fn renew(&mut self, boot_id: u64) {
+        (self.message.boot_id, self.message.sequence, self.told) = (boot_id, 0, None);
+    }
+
     /// Ends a goal of a sender whose orders are not taken, or lets one go on that it would cancel. Only this goal: the coordinator may have one of the same order.
     pub fn refuse_sender(&self, request: GoalRequest<RunTaskGoal>) {
         match request.asked {

@@ -13,6 +13,11 @@ impl StationLoop {
         report_to_message(&self.line, self.shell.controller(), now, &mut self.message);
         let StationState { devices_valid, fault, blocked_by, .. } = &mut self.message;
         self.words.complete(*devices_valid, fault, blocked_by);
+        if !self.shell.is_active() {
+            let (state, way) = (self.shell.lifecycle().label(), self.shell.lifecycle().way_to_active());
+            self.message.blocked_by.insert(0, format!("node {state}: {way}"));
+        }
+        self.message.lifecycle = self.shell.lifecycle().code();
         self.message.header = stamp();
         self.message.boot_id = self.shell.boot_id();
         self.message.sequence = sequence;

@@ -1,6 +1,7 @@
 //! Arrivals while a record is being written, which takes as long as a disk takes.
 //!
-//! It waits: what follows the record was decided without it. An emergency stop alone turns the outputs off at once.
+//! It waits: what follows the record was decided without it. An emergency stop alone turns the outputs off at once, and a request that ends
+//! the activity of the node.
 
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
@@ -30,6 +31,12 @@ impl StationLoop {
                     }
                     None => return Err(self.cut_off()),
                 },
+                // One at a time: more wait in the middleware.
+                asked = self.lifecycle.next(), if self.asked.is_none() => {
+                    let is_stop = asked.may_end_activity();
+                    self.asked = Some(asked);
+                    is_stop
+                }
                 () = self.clock.sleep_until(due) => {
                     tracing::warn!(station = self.name, "the journal is slow: outputs off until it is written");
                     true

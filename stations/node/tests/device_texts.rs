@@ -4,11 +4,15 @@ use linewright_msgs::{RosMessage as _, StationState};
 use linewright_station_logic::{DEVICES_INVALID, HappeningKind, StationHappening};
 use linewright_station_node::DeviceTexts;
 
+fn active() -> StationState {
+    StationState { lifecycle: StationState::LIFECYCLE_ACTIVE, ..StationState::default() }
+}
+
 #[test]
 fn a_state_with_a_fault_fits_a_message_whatever_is_said_of_the_devices() {
     let mut words = DeviceTexts::default();
     words.trouble(&"x".repeat(4096));
-    let mut state = StationState { station: "press".to_owned(), boot_id: 1, ..StationState::default() };
+    let mut state = StationState { station: "press".to_owned(), boot_id: 1, ..active() };
     state.fault = vec!["close: I/O devices lost"; 40].join("; ");
     state.blocked_by = vec![DEVICES_INVALID.to_owned(), "y".repeat(5000)];
     words.complete(false, &mut state.fault, &mut state.blocked_by);

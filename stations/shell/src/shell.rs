@@ -5,9 +5,12 @@
 //! still shows an operation as running restores it as stopped. After a record that took longer than a period nothing is
 //! switched on by what was decided before it: the station decides again.
 
+mod lifecycle;
+
 use std::fmt::Display;
 use std::time::Duration;
 
+use linewright_lifecycle::LifecycleState;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, NumberedOrder, StationId, TaskOrderSource, Tick};
 use linewright_station_logic::{
@@ -31,6 +34,8 @@ pub struct StationShell {
     rules: ShellRules,
     controller: Controller,
     boot_id: u64,
+    /// State of the node; see `lifecycle`.
+    lifecycle: LifecycleState,
     outbox: StationOutbox,
     /// A step that was not the last one before [`StationShell::act`] has changed the state.
     is_changed: bool,
@@ -89,6 +94,7 @@ impl StationShell {
             rules: ShellRules::ALL,
             controller: Controller::new(line, station, boot_id, restore)?,
             boot_id,
+            lifecycle: LifecycleState::Active,
             outbox: StationOutbox::default(),
             is_changed: false,
             orders: NewestBySequence::new(stale),
@@ -174,6 +180,7 @@ impl StationShell {
         self.notice_gap(now);
         let is_doubtful = now < self.doubts_until;
         let handled = match arrival {
+            StationArrival::Order { .. } if !self.is_active() => Handled::Taken,
             StationArrival::Order { sequence, from, order } => self.order(now, (sequence, from), order, is_doubtful),
             StationArrival::State { station, sequence, report } => {
                 let Some(states) = self.states.get_mut(station.index()) else {
@@ -358,6 +365,9 @@ impl StationShell {
     pub fn act(&mut self, now: Tick, effects: &mut Vec<StationEffect>) {
         self.notice_gap(now);
         self.controller.step(now, &mut self.outbox);
+        if !self.is_active() {
+            self.outbox.outputs = 0;
+        }
         let changed = std::mem::take(&mut self.outbox.changed) | std::mem::take(&mut self.is_changed);
         let due = now >= self.refresh_due;
         if due {

@@ -4,6 +4,7 @@ mod contest;
 mod estop;
 mod gap;
 mod held;
+mod lifecycle;
 mod newest;
 mod numbered;
 mod order_of_effects;

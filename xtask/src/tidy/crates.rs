@@ -7,7 +7,7 @@ use super::WorkspaceMember;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 25] = [
+pub const PURE: [&str; 26] = [
     "linewright-random",
     "linewright-nets",
     "linewright-diagnostics",
@@ -19,6 +19,7 @@ pub const PURE: [&str; 25] = [
     "linewright-dbc",
     "linewright-orders",
     "linewright-parameters",
+    "linewright-lifecycle",
     "linewright-station-logic",
     "linewright-station-shell",
     "linewright-coordinator-logic",
@@ -53,7 +54,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 42] = [
+const MAY_USE: [(&str, &[&str]); 43] = [
     ("linewright-random", &[]),
     ("linewright-nets", &[]),
     ("linewright-diagnostics", &[]),
@@ -68,9 +69,16 @@ const MAY_USE: [(&str, &[&str]); 42] = [
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-orders", &["linewright-line"]),
     ("linewright-parameters", &["linewright-diagnostics", "linewright-text"]),
+    ("linewright-lifecycle", &[]),
     ("linewright-station-logic", &["linewright-line", "linewright-orders"]),
-    ("linewright-station-shell", &["linewright-line", "linewright-parameters", "linewright-station-logic"]),
-    ("linewright-coordinator-logic", &["linewright-random", "linewright-nets", "linewright-line"]),
+    (
+        "linewright-station-shell",
+        &["linewright-line", "linewright-parameters", "linewright-lifecycle", "linewright-station-logic"],
+    ),
+    (
+        "linewright-coordinator-logic",
+        &["linewright-random", "linewright-nets", "linewright-line", "linewright-lifecycle"],
+    ),
     ("linewright-coordinator-cell", &["linewright-nets", "linewright-line", "linewright-orders", "linewright-cell"]),
     (
         "linewright-coordinator-shell",
@@ -83,11 +91,12 @@ const MAY_USE: [(&str, &[&str]); 42] = [
             "linewright-coordinator-logic",
             "linewright-coordinator-cell",
             "linewright-parameters",
+            "linewright-lifecycle",
         ],
     ),
     ("linewright-history", &["linewright-line", "linewright-coordinator-cell"]),
     ("linewright-msgs", &[]),
-    ("linewright-node-shell", &["linewright-msgs", "linewright-parameters"]),
+    ("linewright-node-shell", &["linewright-msgs", "linewright-parameters", "linewright-lifecycle"]),
     ("linewright-fieldbus-seam", &["linewright-line"]),
     ("linewright-canopen", &["linewright-line", "linewright-fieldbus-seam"]),
     ("linewright-modbus", &["linewright-line", "linewright-fieldbus-seam"]),
@@ -180,6 +189,7 @@ const MAY_USE: [(&str, &[&str]); 42] = [
             "linewright-station-logic",
             "linewright-station-shell",
             "linewright-parameters",
+            "linewright-lifecycle",
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-node-line",
@@ -201,6 +211,7 @@ const MAY_USE: [(&str, &[&str]); 42] = [
             "linewright-simulation",
             "linewright-station-shell",
             "linewright-parameters",
+            "linewright-lifecycle",
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-node-line",

@@ -52,7 +52,7 @@ impl Coordinator {
     /// Reasons of one station against motion in auto and hand.
     pub(super) fn troubles_of(&self, id: StationId, station: &StationEntry, reasons: &mut Vec<ModeRefusal>) {
         if !self.is_known(station) {
-            reasons.push(ModeRefusal::NotHeard(id));
+            reasons.push(self.silence(id, station));
             return;
         }
         if !station.heard.devices_valid {
@@ -77,7 +77,7 @@ impl Coordinator {
         let counted: Vec<StationId> = self.counted().map(|(id, _)| id).collect();
         let left_out = self.line.station_ids().zip(&self.stations).filter(|(id, _)| !counted.contains(id));
         let away = left_out.filter_map(|(id, station)| match self.is_known(station) {
-            false => Some(ModeRefusal::NotHeard(id)),
+            false => Some(self.silence(id, station)),
             true => (!station.heard.at_home).then_some(ModeRefusal::NotAtHome(id)),
         });
         away.collect()

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use linewright_lifecycle::LifecycleState;
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, StationId, Tick};
 
@@ -41,6 +42,8 @@ pub struct StationView {
     pub position_lost: bool,
     /// It acts on an emergency stop.
     pub estopped: bool,
+    /// State of its node, if that is not active.
+    pub inactive: Option<LifecycleState>,
 }
 
 impl StationView {
@@ -83,6 +86,8 @@ pub enum ModeInput {
     Rival(u64, Tick),
     /// Whether the journal can be written. While it cannot, the emergency stop is in force.
     Journal(bool),
+    /// State of the coordinator's own node.
+    Lifecycle(LifecycleState),
 }
 
 /// The order for every station.

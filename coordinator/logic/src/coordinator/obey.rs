@@ -20,7 +20,10 @@ impl Coordinator {
             self.manual_all = false;
         }
         let ended = (self.ended.take(), self.found_away);
-        let reasons = self.obey(command);
+        let reasons = match self.inactive {
+            Some(state) if command != ModeCommand::EStop => vec![ModeRefusal::CoordinatorInactive(state)],
+            _ => self.obey(command),
+        };
         self.obeyed = reasons.is_empty();
         if reasons.is_empty() {
             self.found_away = false;

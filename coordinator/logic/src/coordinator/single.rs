@@ -89,7 +89,9 @@ impl Coordinator {
     pub(super) fn command_single(&mut self, id: StationId, is_manual: bool) {
         self.changed = true;
         let Some(station) = self.stations.get(id.index()) else { return };
-        let reasons = if is_manual {
+        let reasons = if let Some(state) = self.inactive {
+            vec![ModeRefusal::CoordinatorInactive(state)]
+        } else if is_manual {
             match self.mode {
                 _ if station.permit.is_none() => vec![ModeRefusal::NoSingleManual(id)],
                 ControlMode::Manual => vec![ModeRefusal::Already],
@@ -153,7 +155,7 @@ impl Coordinator {
             reasons.push(ModeRefusal::StoppedByCell(id));
         }
         if !self.is_known(station) {
-            reasons.push(ModeRefusal::NotHeard(id));
+            reasons.push(self.silence(id, station));
         }
         reasons.extend(self.rival().map(ModeRefusal::OtherCoordinator));
         if self.console_is_unknown() {

@@ -24,7 +24,7 @@ pub struct ModeStanding {
     pub restarted: Vec<StationId>,
     /// Stations that are left out of the mode decision.
     pub left_out: Vec<StationId>,
-    /// Texts of a second coordinator and of a journal that cannot be written; empty without either.
+    /// Texts of a second coordinator, of a journal that cannot be written, and of nodes that are not active; empty without any.
     pub obstacles: Vec<String>,
 }
 
@@ -36,8 +36,10 @@ impl Coordinator {
         let ended = self.ended.iter().flat_map(|(_, reasons)| reasons);
         let is_restarted =
             |id: &StationId| troubles.iter().chain(ended.clone()).any(|reason| *reason == ModeRefusal::Restarted(*id));
-        let is_obstacle =
-            |reason: &&ModeRefusal| matches!(reason, ModeRefusal::OtherCoordinator(_) | ModeRefusal::JournalLost);
+        let is_obstacle = |reason: &&ModeRefusal| {
+            use ModeRefusal as R;
+            matches!(reason, R::OtherCoordinator(_) | R::JournalLost | R::CoordinatorInactive(_) | R::Inactive(..))
+        };
         let is_latched = self.mode == ControlMode::EStop && self.estop.is_some();
         let stations = self.line.station_ids().zip(&self.stations);
         ModeStanding {

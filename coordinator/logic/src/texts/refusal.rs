@@ -123,6 +123,13 @@ impl ModeRefusal {
                 return "not seen released since it was held before; release it first".to_owned();
             }
             ModeRefusal::NotHeard(station) => (station, "no state received"),
+            ModeRefusal::Inactive(station, state) => {
+                let (name, state, way) = (&line.station(*station).name, state.label(), state.way_to_active());
+                return format!("{name}: node {state}; {way}");
+            }
+            ModeRefusal::CoordinatorInactive(state) => {
+                return format!("coordinator {}, no motion; {}", state.label(), state.way_to_active());
+            }
             ModeRefusal::DevicesLost(station) => (station, "I/O devices lost"),
             ModeRefusal::DevicesAwaited(station) => {
                 (station, "I/O devices not operational yet; after 10 s check supply and bus")

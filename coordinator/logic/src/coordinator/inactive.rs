@@ -1,0 +1,45 @@
+//! Nodes that are not active: a station's, and the coordinator's own.
+//!
+//! A station whose node is not active follows no order, and its outputs are off. It counts as one that is not received, at once and for
+//! everything that is decided; only the reason that operators read is another one. Its life is not taken, so no order names it before it
+//! is active.
+//!
+//! A coordinator that is not active grants no mode that enables motion, as if another coordinator gave orders: auto and hand end in
+//! stand-by, so does manual, and of the commands only emergency stop is obeyed. It goes on receiving stations and console.
+
+use linewright_lifecycle::LifecycleState;
+use linewright_line::StationId;
+
+use super::entry::StationEntry;
+use super::{Coordinator, ModeRefusal};
+
+impl Coordinator {
+    /// The coordinator's own node.
+    pub(super) fn take_lifecycle(&mut self, state: LifecycleState) {
+        let inactive = (state != LifecycleState::Active).then_some(state);
+        self.changed |= self.inactive != inactive;
+        self.inactive = inactive;
+        if inactive.is_some() {
+            // What was commanded before does not wait for activity.
+            self.manual_all = false;
+            self.resume.disarm();
+        }
+    }
+
+    /// A station has reported that its node is not active.
+    pub(super) fn hear_inactive(&mut self, id: StationId, state: Option<LifecycleState>) {
+        let until = self.now + 2 * self.line.timing.stale;
+        let Some(station) = self.stations.get_mut(id.index()) else { return };
+        self.changed |= self.now < station.known_until || station.inactive.map(|of| of.0) != state;
+        station.known_until = station.known_until.min(self.now);
+        station.inactive = state.map(|state| (state, until));
+    }
+
+    /// Reason against motion of a station that is not received.
+    pub(super) fn silence(&self, id: StationId, station: &StationEntry) -> ModeRefusal {
+        match station.inactive.filter(|(_, until)| self.now < *until) {
+            Some((state, _)) => ModeRefusal::Inactive(id, state),
+            None => ModeRefusal::NotHeard(id),
+        }
+    }
+}
