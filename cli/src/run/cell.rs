@@ -28,6 +28,14 @@ pub struct CellRun {
 }
 
 impl CellRun {
+    /// What is to be shown next of a cell; of a line without one never anything.
+    pub async fn next_of(cell: &mut Option<CellRun>) -> miette::Result<Vec<String>> {
+        match cell {
+            Some(cell) => cell.next().await,
+            None => std::future::pending().await,
+        }
+    }
+
     /// Looks at the cell; nothing is ordered yet.
     pub fn open(line: &Line, cell: &Cell, parts: Vec<(String, u32)>, ros: &RosArgs) -> miette::Result<Self> {
         for (name, _) in &parts {

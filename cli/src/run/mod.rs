@@ -267,7 +267,7 @@ impl Session {
         loop {
             tokio::select! {
                 heard = self.client.next() => self.take(&heard?),
-                told = next_of(&mut self.cell) => for line in told? {
+                told = CellRun::next_of(&mut self.cell) => for line in told? {
                     self.note(line);
                 },
                 Some(frame) = self.frames.recv() => {
@@ -491,12 +491,5 @@ impl Session {
             self.client.command(word);
         }
         is_due
-    }
-}
-
-async fn next_of(cell: &mut Option<CellRun>) -> miette::Result<Vec<String>> {
-    match cell {
-        Some(cell) => cell.next().await,
-        None => std::future::pending().await,
     }
 }
