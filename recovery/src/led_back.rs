@@ -9,7 +9,7 @@ use linewright_line::{Line, OpId, StationId};
 use crate::plan::RecoveryPlan;
 use crate::reason::presses_home;
 use crate::situation::LineSituation;
-use crate::step::{PanelButton, RecoveryAction};
+use crate::step::{PanelButton, RecoveryAction, RecoveryStep};
 
 /// A station that is led back.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,6 +20,8 @@ pub struct LedBack {
     /// How many presses of *advance* alone lead it on to the end of its cycle instead, the others standing where they do; none where
     /// they do not.
     pub presses_on: Option<usize>,
+    /// Its position is to be confirmed first, so that the presses are not counted.
+    pub is_unconfirmed: bool,
 }
 
 /// The stations that a plan leads back, if auto begins anew after it.
@@ -44,7 +46,9 @@ pub(crate) fn all(line: &Line, situation: &LineSituation, plan: &RecoveryPlan) -
     };
     let of = |(station, taken_back)| {
         let presses_on = presses_home(&floor, units.clone(), station, PanelButton::Advance);
-        LedBack { station, taken_back, presses_on }
+        let confirms =
+            |step: &RecoveryStep| matches!(&step.action, RecoveryAction::Rejoin { station: of, .. } if *of == station);
+        LedBack { station, taken_back, presses_on, is_unconfirmed: plan.steps.iter().any(confirms) }
     };
     led_back.map(of).collect()
 }
@@ -52,7 +56,7 @@ pub(crate) fn all(line: &Line, situation: &LineSituation, plan: &RecoveryPlan) -
 impl LedBack {
     /// What becomes of a part, and what the other way is.
     pub fn text(&self, line: &Line) -> String {
-        let LedBack { station, taken_back, presses_on } = self;
+        let LedBack { station, taken_back, presses_on, is_unconfirmed } = self;
         let name = |id: StationId| line.station(id).name.as_str();
         let arrows = line.arrows.iter().filter(|arrow| arrow.to.0 == *station && taken_back.contains(&arrow.to.1));
         let since: Vec<String> =
@@ -63,6 +67,10 @@ impl LedBack {
         let on = match presses_on {
             Some(1) => "the other way: 1 press of advance, on to the end of its cycle".to_owned(),
             Some(presses) => format!("the other way: {presses} presses of advance, on to the end of its cycle"),
+            // Counted from where its position is confirmed: before that no press moves it.
+            None if *is_unconfirmed => {
+                format!("the other way, if there is one, is listed by `recover --on {}`", name(*station))
+            }
             None => "advance alone does not lead it on from here".to_owned(),
         };
         format!(

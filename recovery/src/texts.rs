@@ -310,10 +310,8 @@ impl LedActivity {
             );
         };
         let (way, other, answer) = match end {
-            ActivityEnd::Done => (format!("led on to the end of {their}"), "back", "done, mostly `as-done`"),
-            ActivityEnd::TakenBack => {
-                (format!("led back to where {their} began"), "on", "not begun, mostly `as-before`")
-            }
+            ActivityEnd::Done => (format!("led on to the end of {their}"), "back", "done"),
+            ActivityEnd::TakenBack => (format!("led back to where {their} began"), "on", "not begun"),
         };
         let why = match &self.decided {
             Some(decided) if decided.end == end => format!("since {}", decided.because),

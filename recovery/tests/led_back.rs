@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_line::StationId;
 use linewright_plant::MotionFault;
-use linewright_recovery::{LineSituation, PanelButton, RecoveryAction, RecoveryEnd, RecoveryPlan, plan};
+use linewright_recovery::{LedBack, LineSituation, PanelButton, RecoveryAction, RecoveryEnd, RecoveryPlan, plan};
 use linewright_simulation::{LineSim, MotionSelection, NodeProcess, OperatorAction};
 use linewright_testkit::built::transfer_line;
 
@@ -91,4 +91,16 @@ fn what_auto_does_to_parts_stands_below_every_list_that_ends_in_a_new_cycle() {
         crate::operator::follow(&mut sim, step);
     }
     assert!(lists > 3, "{lists} lists");
+}
+
+/// Before the position of a station is confirmed no presses are counted, so the other way is not denied.
+#[test]
+fn of_a_station_whose_position_is_to_be_confirmed_the_way_on_is_named_by_its_command() {
+    let line = transfer_line();
+    let station = line.station_named("mill_1").expect("a station");
+    let taken_back = line.station(station).op_ids().take(1).collect();
+    let mut back = LedBack { station, taken_back, presses_on: None, is_unconfirmed: true };
+    assert!(back.text(&line).ends_with("; the other way, if there is one, is listed by `recover --on mill_1`"));
+    back.is_unconfirmed = false;
+    assert!(back.text(&line).ends_with("; advance alone does not lead it on from here"));
 }

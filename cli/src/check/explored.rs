@@ -126,11 +126,20 @@ impl Exploration {
         self.properties.retain(|property| property.verdict != "undecided");
         if !self.exhausted {
             self.is_left_to_parts = true;
+            // Where there are more than expected, nothing is known of how many more.
+            let (size, end) = match expected > self.kept as u64 {
+                true => {
+                    (format!("about {} kept states are expected of the whole", rounded(expected)), "looks at them all")
+                }
+                false => (
+                    format!("fewer kept states were expected of the whole than the {} seen", self.kept),
+                    "looks further",
+                ),
+            };
             let states = rounded(expected.max(self.kept as u64).saturating_mul(2));
             let memory = states.saturating_mul((self.bytes / self.kept.max(1)) as u64) >> 20;
             self.help = Some(format!(
-                "conflicts and each station are decided by the parts below, from which about {} kept states are expected of the whole; `--whole --states {states} --memory {}` looks at them all, if the memory suffices",
-                rounded(expected),
+                "conflicts and each station are decided by the parts below, from which {size}; `--whole --states {states} --memory {}` {end}, if the memory suffices",
                 memory.max(MEMORY as u64)
             ));
         }

@@ -35,6 +35,11 @@ impl AutoOnce {
         AutoOnce { is_handed_over: true, ..AutoOnce::default() }
     }
 
+    /// Leaves it to others from now on; false where that was so already.
+    pub fn hand_over(&mut self) -> bool {
+        !std::mem::replace(&mut self.is_handed_over, true)
+    }
+
     /// `ready`: the devices of every station are heard. Auto that ends by itself before it is in force, as where a device is late,
     /// leads to stand-by, and is given again.
     pub fn next(&mut self, line: &LineState, ready: bool) -> AutoStep {
@@ -103,5 +108,7 @@ mod tests {
         let stopping = LineState { master_stop: true, ..state(StationState::MODE_AUTO) };
         assert_eq!(way.next(&stopping, true), AutoStep::HandsOver);
         assert_eq!(AutoOnce::by_others().next(&stand_by, true), AutoStep::Wait);
+        let mut way = AutoOnce::default();
+        assert_eq!((way.hand_over(), way.next(&stand_by, true), way.hand_over()), (true, AutoStep::Wait, false));
     }
 }

@@ -153,8 +153,9 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
         Err(error) => Err(error),
     };
     children.end().await;
-    let at_home = outcome.is_ok();
-    let code = session.report(&args, outcome, children.restarts())?;
+    // Where not even a coordinator was received, it is as it was before.
+    let at_home = outcome.as_ref().is_ok_and(|at_home| *at_home || scratch.unfinished().is_none());
+    let code = session.report(&args, outcome.map(drop), children.restarts())?;
     scratch.end(at_home, code == ExitCode::SUCCESS);
     Ok(code)
 }
@@ -258,8 +259,8 @@ impl Session {
         })
     }
 
-    /// Runs until the cycles are done, the operator ends it, or it fails.
-    async fn drive(&mut self, children: &mut Children) -> miette::Result<()> {
+    /// Runs until the cycles are done, the operator ends it, or it fails. False if it ended before a coordinator was received.
+    async fn drive(&mut self, children: &mut Children) -> miette::Result<bool> {
         self.print(&StartUp::text(&self.line));
         let mut screen = if self.live { Some(Screen::open()?) } else { None };
         let mut ticks = tokio::time::interval(PICTURE_EVERY);
@@ -285,7 +286,7 @@ impl Session {
                             return Err(miette!("ended before the line was at home: {}", self.reasons().join(", ")));
                         }
                         // No coordinator has come up: there is nothing to stop.
-                        RunPhase::Starting if !self.client.has_heard_coordinator() => return Ok(()),
+                        RunPhase::Starting if !self.client.has_heard_coordinator() => return Ok(false),
                         RunPhase::Starting | RunPhase::Running => self.begin_stop(),
                     }
                     let limit = self.patience.as_secs_f64();
@@ -315,7 +316,7 @@ impl Session {
                 }
             }
             if self.advance()? {
-                return Ok(());
+                return Ok(true);
             }
         }
     }

@@ -70,6 +70,12 @@ pub fn buses(buses: &[(String, String, bool)]) -> Vec<String> {
 impl Session {
     /// Brings the line to auto, once.
     pub(super) fn begin(&mut self, state: &LineState) {
+        // What a person has to end, as a node that is not active, must not be followed by auto when it ends.
+        let is_held = !state.obstacles.is_empty()
+            || self.states().flatten().any(|state| state.lifecycle != StationState::LIFECYCLE_ACTIVE);
+        if is_held && self.auto_once.hand_over() {
+            self.note(format!("gives no start and no auto any more: {}", state.text));
+        }
         let ready = self.all_ready();
         match self.auto_once.next(state, ready) {
             AutoStep::Give(command) if self.say(command) => {

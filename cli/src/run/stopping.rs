@@ -27,7 +27,9 @@ pub fn next_step(line: Option<&LineState>, stations: &[Option<&StationState>]) -
         StationState::MODE_AUTO if line.master_stop => StopStep::Wait,
         StationState::MODE_AUTO | StationState::MODE_HAND => StopStep::Command,
         // The coordinator may be heard before the states that it has decided by.
-        StationState::MODE_HOME if all(&|state| state.mode == StationState::MODE_HOME) => StopStep::Home,
+        StationState::MODE_HOME if all(&|state| state.mode == StationState::MODE_HOME || rests(state)) => {
+            StopStep::Home
+        }
         StationState::MODE_HOME => StopStep::Wait,
         StationState::MODE_STANDBY if is_at_home(stations) => StopStep::Command,
         // One that has not heard of the mode may still start something.
@@ -41,6 +43,11 @@ fn is_at_home(stations: &[Option<&StationState>]) -> bool {
     let round = stations.first().copied().flatten().map(|state| state.round);
     let is_there = |state: &StationState| state.at_home && state.stopped && Some(state.round) == round;
     stations.iter().all(|state| state.is_some_and(|state| is_there(state) && !state.selector_manual))
+}
+
+/// A station whose node is not active follows no mode.
+fn rests(state: &StationState) -> bool {
+    state.lifecycle != StationState::LIFECYCLE_ACTIVE && state.at_home && state.stopped
 }
 
 /// A station may be in an emergency stop of its own.
@@ -63,6 +70,7 @@ mod tests {
             (auto, true, auto, false, StopStep::Wait),
             (home, true, auto, true, StopStep::Wait),
             (home, true, home, true, StopStep::Home),
+            (home, false, stand_by, true, StopStep::Wait),
             (stand_by, false, stand_by, false, StopStep::Wait),
             (stand_by, false, stand_by, true, StopStep::Stands),
             (stand_by, false, auto, true, StopStep::Wait),
@@ -71,7 +79,8 @@ mod tests {
             (StationState::MODE_MANUAL, false, StationState::MODE_MANUAL, true, StopStep::Stands),
         ] {
             let line = LineState { mode, master_stop, ..LineState::default() };
-            let station = StationState { mode: of_station, stopped: stands, ..StationState::default() };
+            let lifecycle = StationState::LIFECYCLE_ACTIVE;
+            let station = StationState { mode: of_station, stopped: stands, lifecycle, ..StationState::default() };
             assert_eq!(next_step(Some(&line), &[Some(&station)]), expected, "{mode} {master_stop} {stands}");
         }
         for (selector_manual, round, expected) in
@@ -86,6 +95,12 @@ mod tests {
                 expected,
                 "{selector_manual} {round}"
             );
+        }
+        for (at_home, expected) in [(true, StopStep::Home), (false, StopStep::Wait)] {
+            let line = LineState { mode: home, ..LineState::default() };
+            let lifecycle = StationState::LIFECYCLE_UNCONFIGURED;
+            let station = StationState { mode: stand_by, stopped: true, at_home, lifecycle, ..StationState::default() };
+            assert_eq!(next_step(Some(&line), &[Some(&station)]), expected, "not active, {at_home}");
         }
         let line = LineState { mode: stand_by, ..LineState::default() };
         assert_eq!(next_step(Some(&line), &[None]), StopStep::Wait, "not heard");

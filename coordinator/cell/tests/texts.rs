@@ -242,6 +242,7 @@ fn alarms() -> Vec<AlarmText<'static>> {
 
 fn unavailable() -> Vec<StationUnavailable> {
     samples!(StationUnavailable {
+        StationUnavailable::Inactive => StationUnavailable::Inactive;
         StationUnavailable::Devices => StationUnavailable::Devices;
         StationUnavailable::Incomplete => StationUnavailable::Incomplete;
         StationUnavailable::ByHand => StationUnavailable::ByHand;

@@ -222,8 +222,12 @@ impl Coordinator {
     }
 
     fn hear_station(&mut self, id: StationId, heard: StationView) {
-        if heard.inactive.is_some() {
-            return self.hear_inactive(id, heard.inactive);
+        if let Some(state) = heard.inactive {
+            // The last report of a life may have this as well.
+            if self.is_stopped_by_another(id, heard) {
+                self.stop(EStopCause::Station(id));
+            }
+            return self.hear_inactive(id, state);
         }
         let (now, knew_rounds) = (self.now, self.knows_rounds());
         let Some(station) = self.stations.get_mut(id.index()) else { return };

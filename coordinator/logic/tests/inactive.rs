@@ -54,6 +54,15 @@ fn a_deactivated_station_is_not_received_and_no_order_names_its_next_life_before
     assert_eq!(bench.mode(), ControlMode::Auto);
 }
 
+/// The last report of a life may be the only one with an emergency stop that another coordinator has given.
+#[test]
+fn an_emergency_stop_in_the_last_report_is_not_lost() {
+    let mut bench = CoordinatorBench::in_mode(ControlMode::Auto);
+    bench.heard[1].estopped = true;
+    deactivate(&mut bench);
+    assert_eq!(bench.mode(), ControlMode::EStop);
+}
+
 /// Its process was killed while it was deactivated.
 #[test]
 fn a_deactivated_station_that_is_silent_is_one_that_is_not_received() {
@@ -77,7 +86,9 @@ fn one_that_its_cell_leaves_out_stops_nobody_else() {
     bench.coordinator.isolate(|id, _| id == StationId(1));
     deactivate(&mut bench);
     bench.beat();
-    assert_eq!(bench.coordinator.text(), "auto. Left out: clamp_1");
+    let reason = "clamp_1: node inactive; activate it (ros2 lifecycle set)";
+    assert_eq!(bench.coordinator.text(), format!("auto. Left out: clamp_1. {reason}"));
+    assert_eq!(bench.coordinator.standing().obstacles, [reason]);
     assert!(bench.coordinator.order().enabled);
 }
 

@@ -134,7 +134,7 @@ pub fn heard(report: &StationReport) -> StationView {
         generation: report.generation,
         position_lost: report.position_lost.is_some(),
         estopped: report.mode == Some(ControlMode::EStop),
-        // The same.
+        // Not in the report either, but in the message around it.
         inactive: None,
     }
 }

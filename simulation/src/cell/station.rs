@@ -204,7 +204,9 @@ impl SimulatedStation {
             match unable {
                 StationUnavailable::Devices => TaskRefusal::Devices,
                 StationUnavailable::Incomplete => TaskRefusal::Incomplete,
-                StationUnavailable::ByHand | StationUnavailable::InManual => TaskRefusal::Mode,
+                StationUnavailable::Inactive | StationUnavailable::ByHand | StationUnavailable::InManual => {
+                    TaskRefusal::Mode
+                }
             }
         } else {
             (self.heard.epoch, self.last, self.heard.slot) = (key.epoch, key.id, Some(key));

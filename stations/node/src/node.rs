@@ -280,11 +280,12 @@ impl StationLoop {
             while let Some(arrived) = self.waiting.arrived.pop_front() {
                 self.arrived(arrived);
             }
-            self.act().await?;
-            let devices_failed = self.devices.as_ref().is_some_and(Devices::is_failed);
+            // First: what ends activity must not wait for a record, nor anything be switched on before it.
             if let Some(asked) = self.asked.take() {
                 self.change(asked).await?;
             }
+            self.act().await?;
+            let devices_failed = self.devices.as_ref().is_some_and(Devices::is_failed);
             let services_failed = self.parameters.is_failed() || self.lifecycle.is_failed();
             if self.tasks.iter().any(Forward::is_finished) || devices_failed || services_failed {
                 return Err(self.cut_off());

@@ -7,6 +7,7 @@ use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
 use linewright_node_line::order_from_message;
+use linewright_node_shell::ChangeRequest;
 
 use crate::journal::to_record;
 use crate::node::{StationLoop, StationNodeError, next_news};
@@ -19,8 +20,15 @@ impl StationLoop {
         let Some(journal) = &mut self.journal else { return Ok(()) };
         journal.begin(to_record(&self.line, self.station, &self.shell.snapshot(), &self.host));
         let mut due = Some(self.clock.now() + self.line.timing.stale);
-        while let Some(journal) = &mut self.journal {
-            let must_stop = tokio::select! {
+        let mut must_stop = self.ends_activity();
+        loop {
+            if must_stop && due.take().is_some() {
+                let off = self.shell.interrupt();
+                self.drive(off);
+            }
+            let ends_activity = self.ends_activity();
+            let Some(journal) = &mut self.journal else { return Ok(()) };
+            must_stop = tokio::select! {
                 biased;
                 written = journal.written() => return Ok(written?),
                 arrived = self.from.recv() => match arrived {
@@ -31,10 +39,13 @@ impl StationLoop {
                     }
                     None => return Err(self.cut_off()),
                 },
-                // One at a time: more wait in the middleware.
-                asked = self.lifecycle.next(), if self.asked.is_none() => {
+                // One at a time: more wait in the middleware. Only one that ends activity stands in the way of others while the node is active,
+                // since no other is possible then.
+                asked = self.lifecycle.next(), if !ends_activity => {
                     let is_stop = asked.may_end_activity();
-                    self.asked = Some(asked);
+                    if let Some(impossible) = self.asked.replace(asked) {
+                        impossible.answer(false);
+                    }
                     is_stop
                 }
                 () = self.clock.sleep_until(due) => {
@@ -49,12 +60,12 @@ impl StationLoop {
                     Err(error) => return Err(StationNodeError::BusLost { station: self.name.clone(), error }),
                 },
             };
-            if must_stop && due.take().is_some() {
-                let off = self.shell.interrupt();
-                self.drive(off);
-            }
         }
-        Ok(())
+    }
+
+    /// Whether a request is waiting that ends the activity of the node.
+    fn ends_activity(&self) -> bool {
+        self.asked.as_ref().is_some_and(ChangeRequest::may_end_activity)
     }
 }
 

@@ -31,6 +31,8 @@ impl Presence {
 /// Why a station could not do anything now. The mode of the line is none of these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StationUnavailable {
+    /// Its node is not active: it follows no order.
+    Inactive,
     /// Its devices are not there.
     Devices,
     /// An operation was stopped before its end.

@@ -204,6 +204,7 @@ impl StationUnavailable {
     /// The reason.
     pub const fn text(self) -> &'static str {
         match self {
+            StationUnavailable::Inactive => "its node is not active; activate it (ros2 lifecycle set)",
             StationUnavailable::Devices => "I/O devices not operational",
             StationUnavailable::Incomplete => "operation incomplete; complete or undo it in manual",
             StationUnavailable::ByHand => "moved by hand (hand or manual mode)",

@@ -154,6 +154,8 @@ impl Coordinator {
             // Start leads to manual with it, and auto is refused then.
             troubles.extend(self.which(|heard| heard.selector_manual, ModeRefusal::SelectorManual));
         }
+        // What keeps a station left out that no message names otherwise: it reports, and is not received.
+        troubles.extend(self.inactive_left_out());
         let is_other = |reasons: &[ModeRefusal]| reasons.iter().any(|reason| !troubles.contains(reason));
         let ended = self.ended.as_ref().filter(|(_, reasons)| is_other(reasons));
         let named = |of: &mut dyn Iterator<Item = (StationId, Vec<ModeRefusal>)>| {

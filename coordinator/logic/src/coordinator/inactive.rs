@@ -27,12 +27,19 @@ impl Coordinator {
     }
 
     /// A station has reported that its node is not active.
-    pub(super) fn hear_inactive(&mut self, id: StationId, state: Option<LifecycleState>) {
+    pub(super) fn hear_inactive(&mut self, id: StationId, state: LifecycleState) {
         let until = self.now + 2 * self.line.timing.stale;
         let Some(station) = self.stations.get_mut(id.index()) else { return };
-        self.changed |= self.now < station.known_until || station.inactive.map(|of| of.0) != state;
+        self.changed |= self.now < station.known_until || station.inactive.map(|of| of.0) != Some(state);
         station.known_until = station.known_until.min(self.now);
-        station.inactive = state.map(|state| (state, until));
+        station.inactive = Some((state, until));
+    }
+
+    /// Of the stations that are left out, those whose nodes are not active.
+    pub(super) fn inactive_left_out(&self) -> impl Iterator<Item = ModeRefusal> {
+        let isolated = self.line.station_ids().zip(&self.stations).filter(|(_, station)| station.isolated);
+        let reasons = isolated.filter(|(_, of)| !self.is_known(of)).map(|(id, of)| self.silence(id, of));
+        reasons.filter(|reason| matches!(reason, ModeRefusal::Inactive(..)))
     }
 
     /// Reason against motion of a station that is not received.

@@ -246,7 +246,7 @@ impl Coordinator {
         // All that count, which is all but those in manual by themselves. That this one is not received is a reason already.
         for (other, of) in self.counted().chain([(id, station)]) {
             if !self.is_known(of) {
-                reasons.extend((other != id).then_some(ModeRefusal::NotHeard(other)));
+                reasons.extend((other != id).then(|| self.silence(other, of)));
             } else if !of.heard.acknowledges(self.boot_id, since) {
                 reasons.push(ModeRefusal::ManualUnaware(other));
             }

@@ -40,6 +40,7 @@ impl Coordinator {
             use ModeRefusal as R;
             matches!(reason, R::OtherCoordinator(_) | R::JournalLost | R::CoordinatorInactive(_) | R::Inactive(..))
         };
+        let obstacles = troubles.iter().filter(is_obstacle).cloned().chain(self.inactive_left_out());
         let is_latched = self.mode == ControlMode::EStop && self.estop.is_some();
         let stations = self.line.station_ids().zip(&self.stations);
         ModeStanding {
@@ -52,7 +53,7 @@ impl Coordinator {
             resumes: self.resumes(),
             restarted: self.line.station_ids().filter(is_restarted).collect(),
             left_out: stations.filter(|(_, station)| station.isolated).map(|(id, _)| id).collect(),
-            obstacles: troubles.iter().filter(is_obstacle).map(|reason| reason.text(&self.line)).collect(),
+            obstacles: obstacles.map(|reason| reason.text(&self.line)).collect(),
         }
     }
 }

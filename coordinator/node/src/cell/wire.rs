@@ -15,7 +15,9 @@ use linewright_orders::{LeaveWay, OrderKey, TaskFailure, TaskOutcome, TaskRefusa
 /// Reason in a station's state why it can do nothing now.
 pub fn unable(state: &StationState) -> Option<StationUnavailable> {
     let by_hand = [StationState::MODE_HAND, StationState::MODE_MANUAL].contains(&state.mode);
-    if !state.devices_valid {
+    if state.lifecycle != StationState::LIFECYCLE_ACTIVE {
+        Some(StationUnavailable::Inactive)
+    } else if !state.devices_valid {
         Some(StationUnavailable::Devices)
     } else if !state.incomplete.is_empty() {
         Some(StationUnavailable::Incomplete)

@@ -54,7 +54,7 @@ impl StationShell {
 
     /// Goes over to another state that is not active, and reports it at once.
     pub fn stay_inactive(&mut self, now: Tick, state: LifecycleState) {
-        if state != LifecycleState::Active {
+        if state != LifecycleState::Active && self.lifecycle != state {
             self.lifecycle = state;
             self.refresh_due = self.refresh_due.min(now);
         }
