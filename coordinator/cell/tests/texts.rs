@@ -362,7 +362,7 @@ fn limits() -> Vec<LimitText<'static>> {
     samples!(LimitText<'static> {
         LimitText::Time { .. } =>
             time(TimeLimitOf::Order), time(TimeLimitOf::Nominal { safety: 2.0, time: 4.5 }),
-            time(TimeLimitOf::Task { task: "clamp" });
+            time(TimeLimitOf::Charted { safety: 2.0, time: 4.5 }), time(TimeLimitOf::Task { task: "clamp" });
         LimitText::Repeated { .. } => LimitText::Repeated { times: 1 }, LimitText::Repeated { times: 3 };
     })
 }

@@ -145,6 +145,22 @@ fn a_loss_is_refused_with_the_device_and_its_trouble_where_it_is_known() {
     assert_eq!(refusal.text_with(&line, known), expected);
 }
 
+/// A station that was restarted is looked at in manual, where its reasons lead there; *start* is enough where all stand at home.
+#[test]
+fn a_restart_is_named_where_start_leads_on() {
+    let line = transfer_line();
+    let restarted =
+        [ModeRefusal::NoCommonStart(StationId(1), ApartCause::NoMemory), ModeRefusal::Restarted(StationId(1))];
+    let names_it = |reasons: &[ModeRefusal]| {
+        let (command, mode) = (OperatorCommand::Mode(ModeCommand::Auto), ControlMode::StandBy);
+        let text = RefusedCommand { command, mode, reasons: reasons.to_vec() }.text(&line);
+        text.contains("clamp_1: restarted; give start")
+    };
+    assert!(names_it(&restarted));
+    let [apart, again] = restarted;
+    assert!(!names_it(&[apart, again, ModeRefusal::NotAtHome(StationId(2))]));
+}
+
 #[test]
 fn what_several_stations_lack_is_said_once_and_the_one_away_is_named() {
     let line = transfer_line();

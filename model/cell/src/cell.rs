@@ -152,10 +152,23 @@ pub struct StageMove {
     pub to: StageId,
     /// Nominal time; none for an instantaneous one.
     pub time: Option<Duration>,
+    /// Where no time is written: how long the operations of its tasks take one after the other, by which its orders are limited.
+    pub charted: Option<Duration>,
     /// The number of the program, where the plan gives one.
     pub program: Option<i32>,
     /// Of work: whether the part has to be loaded for it.
     pub stays: Staying,
+}
+
+/// Limit of an order that states none: a multiple of a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NominalLimit {
+    /// The written time of the change; without it that of the operations of its tasks one after the other.
+    pub time: Duration,
+    /// `safety` of the cell times that.
+    pub limit: Duration,
+    /// Whether no time is written.
+    pub is_charted: bool,
 }
 
 /// Whether a part stays in the resource that has worked on it, for the next step there.
@@ -332,7 +345,13 @@ impl Cell {
 
     /// Time limit of an order; none where neither a limit nor a time is known.
     pub fn limit(&self, order: &OrderTemplate, of: &StageMove) -> Option<Duration> {
-        order.limit.or_else(|| of.time.map(|time| time.mul_f64(self.limits.safety)))
+        order.limit.or_else(|| self.nominal_limit(of).map(|nominal| nominal.limit))
+    }
+
+    /// What an order may take that states no limit; none where no time is known.
+    pub fn nominal_limit(&self, of: &StageMove) -> Option<NominalLimit> {
+        let time = of.charted.or(of.time)?;
+        Some(NominalLimit { time, limit: time.mul_f64(self.limits.safety), is_charted: of.charted.is_some() })
     }
 }
 

@@ -85,6 +85,31 @@ fn a_part_sensor_that_nothing_reads_is_reported() {
     assert!(of(&without(C1, "presence = \"part_in_hand\""), &c1).is_empty());
 }
 
+/// As a written time is.
+#[test]
+fn a_time_that_is_left_out_is_compared_with_patience_and_the_limits_of_tasks() {
+    let (before, after) = C1_LINE.split_at(C1_LINE.find("name = \"carry to m1\"").expect("it is there"));
+    let after = after.replacen("duration_s = 3.0\nwatchdog_s = 6.0", "duration_s = 50\nwatchdog_s = 55", 1);
+    let clamp = (
+        "name = \"clamp\", from = \"open\", to = \"clamped\", limit_s = 60",
+        "name = \"clamp\", from = \"open\", to = \"clamped\", limit_s = 20",
+    );
+    let line = line_of(&edited(&format!("{before}{after}"), &[clamp]));
+    let without = [
+        ("time_s = 12 # as planned", ""),
+        (", max_s = 24", ""),
+        (", max_s = 26", ""),
+        ("patience_s = 600", "patience_s = 56"),
+    ];
+    let found = problems(&edited(C1, &without), Some(&line));
+    let of = |message: &str| {
+        let of = found.iter().find(|of| of.is_warning && of.message == message).unwrap_or_else(|| panic!("{found:#?}"));
+        of.hint.clone().unwrap_or_default()
+    };
+    assert!(of("`patience_s` is 56").starts_with("a single activity takes 58 s"), "{found:#?}");
+    of("`load M1` takes 58 s by the operations of its tasks, but task `clamp` has `limit_s = 20`");
+}
+
 /// A task is added, and reaches where others do that a conflict keeps apart from what the machine does.
 #[test]
 fn a_task_that_reaches_where_others_are_kept_apart_is_reported() {

@@ -181,7 +181,8 @@ fn the_fingerprint_of_a_cell_is_that_of_both_descriptions() {
     assert_ne!(of(C1, &format!("{C1_LINE}\n[timing]\nlease_ms = 600\n")), usual);
 }
 
-/// A time that is left out is that of the longest of the stations' tasks by their operations; where a program decides it is written.
+/// A time that is left out is that of the longest of the stations' tasks by their operations; where a program decides it is written. Orders
+/// are limited by all of them one after the other: one station may wait for the other.
 #[test]
 fn a_time_that_is_left_out_is_that_of_the_chart() {
     let line = linewright_line::parse("line.toml", C1_LINE).expect("it is sound").line;
@@ -191,7 +192,7 @@ fn a_time_that_is_left_out_is_that_of_the_chart() {
     let load = cell.activity(cell.activity_named("load M1").expect("it is there"));
     // The robot: 2.5, 1, 3, 1, 3.5; the machine 3, 1.
     assert_eq!(load.moves[0].time, Some(Duration::from_secs(11)));
-    assert_eq!(cell.limit(&load.orders[0], &load.moves[0]), Some(Duration::from_secs(22)), "`safety` times that");
+    assert_eq!(cell.limit(&load.orders[0], &load.moves[0]), Some(Duration::from_secs(30)), "2 times all");
     let programmed = C1.replacen("time_s = 40, program = 1", "program = 1", 1);
     assert!(parsed(&programmed).is_err(), "the time is the program's");
     let worked = programmed.replacen(

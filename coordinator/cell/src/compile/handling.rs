@@ -180,7 +180,7 @@ impl<'a> BuiltPolicy<'a> {
         let worker = id(Role::Worker);
         let rules = self.cell.activity_named(&activity.name).map(|id| self.rules(id)).unwrap_or_default();
         let part_type = self.cell.stages[of.from.index()].part_type;
-        let nominal = of.time.map(|time| (time, time.mul_f64(self.cell.limits.safety)));
+        let nominal = self.cell.nominal_limit(of);
         ModeHandling {
             activity: activity.name.as_str().into(),
             part_type: self.cell.part_types[part_type.index()].name.as_str().into(),

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use linewright_cell::NominalLimit;
 use linewright_line::{RestId, StationId};
 
 use super::super::ids::{CellId, ModeId, ResourceId, TokenDemand};
@@ -104,8 +105,8 @@ pub struct ModeHandling {
     pub rules: Vec<usize>,
     /// The rests at which ordered tasks begin; none without a line.
     pub begins: Vec<(StationId, RestId)>,
-    /// By order, where it states no limit: the nominal time of the activity, and what `safety` of the cell makes of it.
-    pub nominal: Vec<Option<(Duration, Duration)>>,
+    /// By order, where it states no limit: what `safety` of the cell makes of the activity's time.
+    pub nominal: Vec<Option<NominalLimit>>,
     /// What is given back if its part is no more; none if that is not known.
     pub gone: Option<Vec<TokenDemand>>,
 }

@@ -1,5 +1,7 @@
 //! Limits that were reached, in alarms: of the time of an order, and of the repetitions of an activity. Each with where it is set.
 
+use linewright_cell::NominalLimit;
+
 use crate::exception::RecoveryPolicy;
 use crate::firing::{OngoingActivity, OngoingOrder};
 use crate::record::ActivityFailure;
@@ -21,6 +23,8 @@ pub enum TimeLimitOf<'a> {
     Order,
     /// `safety` of the cell times `time_s` of the activity, in s.
     Nominal { safety: f64, time: f64 },
+    /// `safety` of the cell times the operations of the activity's tasks, in s, where `time_s` is left out.
+    Charted { safety: f64, time: f64 },
     /// `limit_s` of the station's task, which is shorter.
     Task { task: &'a str },
 }
@@ -33,6 +37,12 @@ impl LimitText<'_> {
                     TimeLimitOf::Order => "`max_s` of its order in cell.toml".to_owned(),
                     TimeLimitOf::Nominal { safety, time } => {
                         format!("in cell.toml `safety` = {safety} times `time_s` = {}", tenths(time))
+                    }
+                    TimeLimitOf::Charted { safety, time } => {
+                        format!(
+                            "in cell.toml `safety` = {safety} times the {} s of the operations of its tasks",
+                            tenths(time)
+                        )
                     }
                     TimeLimitOf::Task { task } => format!("`limit_s` of its task \"{task}\" in line.toml"),
                 };
@@ -65,9 +75,12 @@ pub(crate) fn time(state: &PlayerState, of: &OngoingActivity, order: &OngoingOrd
     let own = handling.task_limit(order.station, &template.task).filter(|own| *own < template.limit);
     let (limit, by) = match (own, nominal) {
         (Some(own), _) => (own, TimeLimitOf::Task { task: &template.task }),
-        (None, Some((time, limit))) => {
-            let safety = (limit.as_secs_f64() / time.as_secs_f64() * 100.0).round() / 100.0;
-            (limit, TimeLimitOf::Nominal { safety, time: time.as_secs_f64() })
+        (None, Some(NominalLimit { time, limit, is_charted })) => {
+            let time = time.as_secs_f64();
+            let safety = (limit.as_secs_f64() / time * 100.0).round() / 100.0;
+            let by =
+                if is_charted { TimeLimitOf::Charted { safety, time } } else { TimeLimitOf::Nominal { safety, time } };
+            (limit, by)
         }
         (None, None) => (template.limit, TimeLimitOf::Order),
     };

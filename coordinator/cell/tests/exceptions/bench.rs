@@ -77,8 +77,12 @@ impl CellBench {
 
     /// The same with a change in the line's description.
     pub fn c1_of_line(changed: impl Fn(String) -> String, parts: &[u32]) -> Self {
-        let line = workcell_line(changed);
-        let mut bench = Self::of(table_of(&workcell(), Some(&line), parts));
+        Self::beside(&workcell(), &workcell_line(changed), parts)
+    }
+
+    /// A cell that is known with its line.
+    pub fn beside(text: &str, line: &Line, parts: &[u32]) -> Self {
+        let mut bench = Self::of(table_of(text, Some(line), parts));
         // All stations are heard at once, so M1 is loaded first.
         bench.sim.options.delay = (Duration::from_millis(1), Duration::from_millis(1));
         bench

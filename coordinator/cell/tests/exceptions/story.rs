@@ -8,7 +8,7 @@ use linewright_coordinator_cell::{
 };
 use linewright_line::Tick;
 
-use super::bench::CellBench;
+use super::bench::{CellBench, workcell, workcell_line};
 
 const LOAD: &str = "load M1<A.new>";
 const P1_01: PartId = PartId(1);
@@ -136,4 +136,24 @@ fn without_a_fault_nobody_is_told_anything() {
     let orders = bench.sim.stations.iter().flat_map(|station| &station.ended);
     assert!(orders.clone().all(|(_, outcome, _)| *outcome == linewright_coordinator_cell::TaskOutcome::Done));
     assert_eq!(orders.count(), 6 * 10);
+}
+
+/// Where it is left out `time_s` is no key of the file: the alarm names the operations.
+#[test]
+fn the_alarm_of_an_order_without_a_limit_names_what_its_time_is_of() {
+    let alarm_of = |time_s: &str| {
+        let text = workcell().replacen(", max_s = 24", "", 1).replacen(", max_s = 26", ", max_s = 100", 1);
+        let text = text.replacen("time_s = 12 # as planned", time_s, 1);
+        let mut bench = CellBench::beside(&text, &workcell_line(|line| line), &[1, 0]);
+        bench.at("robot").is_stuck = true;
+        bench.at("m1").waits_to_begin = true;
+        bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+        bench.alarm().text.clone()
+    };
+    let (written, left_out) = (alarm_of("time_s = 12"), alarm_of(""));
+    let limit = "robot: time limit exceeded: 24 s, in cell.toml `safety` = 2 times `time_s` = 12,";
+    assert!(written.contains(limit), "{written}");
+    let limit =
+        "robot: time limit exceeded: 30 s, in cell.toml `safety` = 2 times the 15 s of the operations of its tasks,";
+    assert!(left_out.contains(limit), "{left_out}");
 }

@@ -33,13 +33,15 @@ impl RefusedCommand {
     }
 }
 
-/// The station that a reason has led to manual: what was restarted there is looked at on that way, and *start* leads nowhere before it.
-fn leads_to_manual(reason: &ModeRefusal) -> Option<StationId> {
+/// The station that a reason has led to manual, beside all `reasons`: what was restarted there is looked at on that way, and *start* leads
+/// nowhere before it. Where all stations are at home *start* itself lets them begin anew.
+fn leads_to_manual(reason: &ModeRefusal, reasons: &[ModeRefusal]) -> Option<StationId> {
+    let is_away = || reasons.iter().any(|of| matches!(of, ModeRefusal::NotAtHome(_)));
     match *reason {
         ModeRefusal::Incomplete(station, _)
         | ModeRefusal::PositionLost(station)
-        | ModeRefusal::NoCommonStart(station, _)
         | ModeRefusal::BetweenRests(station) => Some(station),
+        ModeRefusal::NoCommonStart(station, _) if is_away() => Some(station),
         _ => None,
     }
 }
@@ -59,7 +61,9 @@ pub(crate) fn reason_texts(
         if trouble.is_empty() { text } else { format!("{text}: {trouble}") }
     };
     let is_looked_at = |reason: &ModeRefusal| match reason {
-        ModeRefusal::Restarted(station) => reasons.iter().filter_map(leads_to_manual).any(|of| of == *station),
+        ModeRefusal::Restarted(station) => {
+            reasons.iter().filter_map(|of| leads_to_manual(of, reasons)).any(|of| of == *station)
+        }
         _ => false,
     };
     let single = |reason: &&ModeRefusal| apart(reason).is_none() && !is_looked_at(reason);

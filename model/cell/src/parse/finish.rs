@@ -86,10 +86,16 @@ fn transports(
     offsets: &Offsets,
 ) -> Option<Vec<StageMove>> {
     let way = transport(of)?;
-    let time = of.time.as_ref().map(|time| time.value).or_else(|| charted_time(draft, of));
+    let written = of.time.as_ref().map(|time| time.value);
+    let charted = if written.is_none() { charted_time(draft, of) } else { None };
+    let (time, charted) = (written.or(charted.map(|of| of.longest)), charted.map(|of| of.sum));
     let numbers = draft.parts.iter().enumerate().flat_map(|(at, part)| (0..part.stages.len()).map(move |s| (at, s)));
     let stages = numbers.map(|(at, stage)| offsets.stage(at, stage)).filter(|&stage| routes.is_of_use(way, stage));
-    Some(stages.map(|stage| StageMove { from: stage, to: stage, time, program: None, stays: Staying::No }).collect())
+    Some(
+        stages
+            .map(|stage| StageMove { from: stage, to: stage, time, charted, program: None, stays: Staying::No })
+            .collect(),
+    )
 }
 
 /// A part that leaves may come again, as a part on which nothing has been done.
@@ -113,7 +119,8 @@ fn works(draft: &DraftCell<'_>, of: &DraftActivity<'_>, offsets: &Offsets) -> Op
             moves.extend(here.map(|(_, raw)| StageMove {
                 from: offsets.stage(at, step.from),
                 to: offsets.stage(at, step.to),
-                time: raw.time.as_ref().map(|time| time.value).or(charted),
+                time: raw.time.as_ref().map(|time| time.value).or(charted.map(|of| of.longest)),
+                charted: charted.filter(|_| raw.time.is_none()).map(|of| of.sum),
                 program: raw.program.as_ref().and_then(|program| i32::try_from(program.value).ok()),
                 stays: raw.staying(),
             }));

@@ -2,6 +2,7 @@
 
 use linewright_text::{Problem, Report, suggestion};
 
+use super::durations::time_left_out;
 use crate::DispatchRule;
 use crate::parse::draft::DraftCell;
 
@@ -41,7 +42,8 @@ pub(super) fn patience_outlasts_activities(draft: &DraftCell<'_>, report: &mut R
     let moves = draft.activities.iter().filter_map(|activity| Some(activity.time.as_ref()?.value));
     let on = draft.parts.iter().flat_map(|part| &part.raw.steps).flat_map(|step| &step.on);
     let works = on.filter_map(|on| Some(on.time.as_ref()?.value));
-    if let Some(longest) = moves.chain(works).max().filter(|longest| *longest > patience.value) {
+    let charted = draft.activities.iter().filter_map(|activity| Some(time_left_out(draft, activity)?.longest));
+    if let Some(longest) = moves.chain(works).chain(charted).max().filter(|longest| *longest > patience.value) {
         report.add(
             Problem::warning(patience.at.clone(), format!("`patience_s` is {}", patience.value.as_secs_f64()))
                 .label("short")

@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_line::{Station, Task};
 use linewright_text::{Located, Problem, Report};
 
-use super::orders::{ordered, times};
+use super::orders::{ordered, times, works};
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 use crate::{ActivityKind, ParameterSource};
 
@@ -89,11 +89,48 @@ fn charts<'d>(draft: &DraftCell<'d>, activity: &DraftActivity<'_>) -> Option<Vec
     activity.orders.iter().map(|order| charted(draft, order)).collect()
 }
 
-/// The nominal time of an activity that has none written: the longest of its stations' tasks. Where stations wait for each other it
-/// takes longer.
-pub(in crate::parse) fn charted_time(draft: &DraftCell<'_>, activity: &DraftActivity<'_>) -> Option<Duration> {
-    let longest = charts(draft, activity)?.iter().map(ChartedTask::takes).max()?;
-    (!longest.is_zero()).then_some(longest)
+/// Time of an activity that has none written, by the charts of its stations' tasks.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::parse) struct ChartedTime {
+    /// The longest of the tasks: its nominal time.
+    pub(in crate::parse) longest: Duration,
+    /// All of them one after the other, which it takes where its stations wait for each other throughout.
+    pub(in crate::parse) sum: Duration,
+}
+
+/// The time of an activity by its charts; none where they are not known, or a program decides it.
+pub(in crate::parse) fn charted_time(draft: &DraftCell<'_>, activity: &DraftActivity<'_>) -> Option<ChartedTime> {
+    let charted = charts(draft, activity)?;
+    let longest = charted.iter().map(ChartedTask::takes).max()?;
+    let sum = charted.iter().map(ChartedTask::takes).sum();
+    (!longest.is_zero()).then_some(ChartedTime { longest, sum })
+}
+
+/// The same, only where a time of the activity is left out: of a process, one of those of the steps that it is for.
+pub(super) fn time_left_out(draft: &DraftCell<'_>, activity: &DraftActivity<'_>) -> Option<ChartedTime> {
+    let is_left_out = match activity.kind {
+        ActivityKind::Process => works(draft, activity).any(|raw| !raw.has_time),
+        _ => activity.time.is_none(),
+    };
+    if is_left_out { charted_time(draft, activity) } else { None }
+}
+
+/// An order without a limit may take `safety` times the operations of its activity's tasks where no time is written: longer than they take
+/// one after the other, otherwise it fails without a fault.
+pub(super) fn charted_limits_leave_room(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
+    let Some(charted) = time_left_out(draft, activity) else { return };
+    let Some(order) = activity.orders.iter().find(|order| order.raw.limit.is_none()) else { return };
+    if draft.raw.cell.as_ref().is_none_or(|cell| cell.safety > 1.0) {
+        return;
+    }
+    let message = format!(
+        "`safety` is 1: an order of `{}` may take no longer than the {} s of the operations of its tasks",
+        activity.name,
+        charted.sum.as_secs_f64()
+    );
+    report.add(Problem::warning(order.raw.at.clone(), message).label("too short").hint(
+        "orders fail that take what they should: give it `max_s`, twice as long as the motions is usual, or a larger `safety`",
+    ));
 }
 
 /// Each resource of a step has a time: a written one, or that of its station's chart.

@@ -52,6 +52,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
     tasks::orders_fit_their_tasks(draft, report);
     apart::tasks_that_reach_alike_are_kept_apart(draft, report);
     draft.activities.iter().for_each(|activity| durations::times_are_those_of_the_charts(draft, activity, report));
+    draft.activities.iter().for_each(|activity| durations::charted_limits_leave_room(draft, activity, report));
     durations::works_have_times(draft, report);
     rests::machines_come_from_rest_to_rest(draft, report);
     for part in draft.parts.iter().filter(|part| part.variant.is_none()) {

@@ -6,9 +6,10 @@ use std::time::Duration;
 use linewright_line::{Line, StationId, TaskId};
 use linewright_text::{Located, Problem, Report, suggestion};
 
-use super::durations::charted_time;
+use super::durations::time_left_out;
 use super::resources::station_exists;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
+use crate::parse::raw::RawOn;
 use crate::{ActivityKind, ParameterSource, Prototype};
 
 pub(super) fn stations_exist(draft: &DraftCell<'_>, report: &mut Report) {
@@ -48,19 +49,19 @@ pub(super) fn limits_are_known_and_exceed_times(
     activity: &DraftActivity<'_>,
     report: &mut Report,
 ) {
-    let times: Vec<_> = times(draft, activity).map(|time| time.value).collect();
+    let charted = time_left_out(draft, activity).map(|time| time.longest);
+    let longest = times(draft, activity).map(|time| time.value).chain(charted).max();
     for order in &activity.orders {
-        match (&order.raw.limit, times.iter().max()) {
-            (Some(limit), Some(time)) if limit.value <= *time => report.add(
+        match (&order.raw.limit, longest) {
+            (Some(limit), Some(time)) if limit.value <= time => report.add(
                 Problem::error(limit.at.clone(), format!("`max_s` is {} s", limit.value.as_secs_f64()))
                     .label("too short")
                     .hint(format!("`{}` takes {} s itself", activity.name, time.as_secs_f64())),
             ),
-            (None, None) if activity.kind != ActivityKind::Process && charted_time(draft, activity).is_none() => report
-                .add(
-                    Problem::error(order.raw.at.clone(), "lateness of this order cannot be determined")
-                        .hint(format!("give it `max_s`, or `{}` a `time_s`", activity.name)),
-                ),
+            (None, None) if activity.kind != ActivityKind::Process => report.add(
+                Problem::error(order.raw.at.clone(), "lateness of this order cannot be determined")
+                    .hint(format!("give it `max_s`, or `{}` a `time_s`", activity.name)),
+            ),
             (Some(_), _) | (None, _) => {}
         }
     }
@@ -77,10 +78,19 @@ pub(super) fn times<'d>(
     draft: &'d DraftCell<'_>,
     activity: &'d DraftActivity<'_>,
 ) -> impl Iterator<Item = Located<Duration>> + 'd {
+    works(draft, activity).filter_map(|raw| raw.time.clone()).chain(activity.time.clone())
+}
+
+/// What the steps that a process is for say of its resource; nothing of another activity.
+pub(super) fn works<'d>(
+    draft: &'d DraftCell<'_>,
+    activity: &'d DraftActivity<'_>,
+) -> impl Iterator<Item = &'d RawOn> + 'd {
     let of = activity.uses.first().and_then(|part| part.value.of);
     let pairs = draft.steps().flat_map(|step| step.on.iter().zip(&step.raw.on));
-    let of_work = pairs.filter(move |(on, _)| activity.kind == ActivityKind::Process && **on == of && of.is_some());
-    of_work.filter_map(|(_, raw)| raw.time.clone()).chain(activity.time.clone())
+    pairs
+        .filter(move |(on, _)| activity.kind == ActivityKind::Process && **on == of && of.is_some())
+        .map(|(_, raw)| raw)
 }
 
 pub(super) fn parameters_are_there(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use linewright_line::{Parameter, Task};
 use linewright_text::{Located, Problem, Report, TextRange, suggestion};
 
-use super::durations::charted;
+use super::durations::{charted, time_left_out};
 use super::orders::times;
 use crate::ParameterSource;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
@@ -59,9 +59,14 @@ fn times_fit_the_motions(
 ) {
     let Some(takes) = charted(draft, order).map(|of| of.takes()) else { return };
     let safety = draft.raw.cell.as_ref().map_or(1.0, |cell| cell.safety);
+    let left_out = time_left_out(draft, activity).map(|time| time.longest);
     let limits: Vec<(Located<Duration>, &str, f64)> = match &order.raw.limit {
         // One that is not even longer than the nominal time is an error already.
-        Some(limit) if times(draft, activity).any(|time| limit.value <= time.value) => Vec::new(),
+        Some(limit)
+            if times(draft, activity).map(|time| time.value).chain(left_out).any(|time| limit.value <= time) =>
+        {
+            Vec::new()
+        }
         Some(limit) => vec![(limit.clone(), "max_s", 1.0)],
         None => times(draft, activity).map(|time| (time, "time_s", safety)).collect(),
     };
@@ -84,6 +89,16 @@ fn times_fit_the_motions(
                 .label("too long")
                 .hint("the task fails when its `limit_s` is over: a longer one in the line's description, or a shorter time"),
         );
+    }
+    if let Some(time) = left_out.filter(|time| *time > task.limit) {
+        let (seconds, limit) = (time.as_secs_f64(), task.limit.as_secs_f64());
+        let message = format!(
+            "`{}` takes {seconds} s by the operations of its tasks, but task `{name}` has `limit_s = {limit}`",
+            activity.name
+        );
+        report.add(Problem::warning(order.raw.at.clone(), message).label("too long").hint(
+            "the task fails when its `limit_s` is over: a longer one in the line's description, or shorter operations",
+        ));
     }
 }
 
