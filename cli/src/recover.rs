@@ -7,6 +7,7 @@ mod newest;
 mod parts;
 mod progress;
 mod publish;
+mod service;
 mod shown;
 
 use std::io::IsTerminal;
@@ -16,10 +17,12 @@ use std::time::Duration;
 
 use clap::Args as ClapArgs;
 use linewright_console_view::refusal;
+use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId};
-use linewright_msgs::StationState;
+use linewright_msgs::{LineState, StationState};
+use linewright_node_line::mode_from_code;
 use linewright_node_shell::RosArgs;
-use linewright_recovery::{LedBack, Need, RecoveryAction, RecoveryStep};
+use linewright_recovery::{LedBack, Need, RecoveryAction, RecoveryPlan, RecoveryStep};
 
 use crate::cell::CellClient;
 use crate::client::{OperatorClient, StateUpdate};
@@ -73,6 +76,10 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         return publish::run(&mut client, cell, newest, &args.line.display().to_string()).await;
     }
     let path = args.line.display().to_string();
+    // Without a sound description of the cell each station that is left out is named.
+    let described = load::cell_of(&args.line, &line).ok().flatten();
+    let stations = described.map_or_else(Vec::new, |cell| service::stations_of(&cell));
+    let place = PlanPlace { path: &path, stations: &stations };
     let is_all = match client.until_all_heard(HEARD_WITHIN).await {
         Err(error) if args.json => {
             crate::out::json(&RecoveryJson::of(&client, &path, None))?;
@@ -90,7 +97,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         if args.json {
             crate::out::json(&RecoveryJson::of(&client, &path, found))?;
         } else {
-            crate::out::say!("{}", picture(&client, cell.as_ref(), &path, &PictureOf::once(found)).lines().join("\n"));
+            crate::out::say!("{}", picture(&client, cell.as_ref(), &place, &PictureOf::once(found)).lines().join("\n"));
         }
         let leads_there = found.is_some_and(|found| found.plan.leads_to_auto());
         if let Some(searched) = newest.searching() {
@@ -107,11 +114,10 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         }
         return Ok(if is_all && leads_there { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
-    follow(&mut client, cell, newest, &path, args.wait).await
+    follow(&mut client, cell, newest, &place, args.wait).await
 }
 
-/// In place of a plan that is looked for, after a time in which the one before is shown.
-const SEARCHING: &str = "the way back is looked for";
+/// A plan that is looked for is said to be after a time in which the one before is shown.
 const SHOWN_AFTER: Duration = Duration::from_secs(1);
 
 /// Shows the plan until auto is in force; with `waits`, until it is again after a fault.
@@ -119,7 +125,7 @@ async fn follow(
     client: &mut OperatorClient,
     mut cell: Option<CellClient>,
     mut newest: NewestPlan,
-    path: &str,
+    place: &PlanPlace<'_>,
     mut waits: bool,
 ) -> miette::Result<ExitCode> {
     let mut screen = if std::io::stdout().is_terminal() { Some(Screen::open()?) } else { None };
@@ -139,7 +145,7 @@ async fn follow(
                 let is_searching = newest.searching().is_some();
                 if let Some(searching) = newest.searching() {
                     has_changed = true;
-                    if searching < SHOWN_AFTER || shown.tail.last().is_some_and(|last| last == SEARCHING) {
+                    if searching < SHOWN_AFTER || shown.is_searching() {
                         continue;
                     }
                 }
@@ -150,17 +156,15 @@ async fn follow(
                 failures.note(next, |id| newest.moves(id), |id| client.station(id).is_some_and(comes_again));
                 let commands = if screen.is_some() { Commands::First } else { Commands::AllAgain };
                 let of = PictureOf { done: done.texts(), found: found.as_ref(), commands, failed: failures.count() };
-                let mut now = picture(client, cell.as_ref(), path, &of);
+                let mut now = picture(client, cell.as_ref(), place, &of);
                 let is_done = found.as_ref().is_some_and(ReasonedPlan::is_done);
                 if is_done && waits {
                     now.tail.push("waits for a fault, until Ctrl-C".to_owned());
                 }
                 if is_searching {
-                    now.tail.push(SEARCHING.to_owned());
                     // Of a printed list the steps stay what the next one is compared with.
-                    if screen.is_none() {
-                        now.steps.clone_from(&shown.steps);
-                    }
+                    let steps = if screen.is_none() { shown.steps.clone() } else { Vec::new() };
+                    now.search(steps);
                 }
                 match &mut screen {
                     Some(screen) => screen.show(&now.lines())?,
@@ -174,16 +178,24 @@ async fn follow(
                 shown = now;
                 if is_done && !waits {
                     drop(screen);
-                    crate::out::say!("{}", if is_at_once { nothing_to_recover(path) } else { "auto is in force".to_owned() });
+                    crate::out::say!("{}", if is_at_once { nothing_to_recover(place.path) } else { "auto is in force".to_owned() });
                     return Ok(ExitCode::SUCCESS);
                 }
-                if found.is_some() && !is_done {
-                    (waits, is_at_once) = (false, false);
+                if let Some(found) = found.filter(|_| !is_done) {
+                    is_at_once = false;
+                    waits &= !client.coordinator().is_some_and(|state| is_fault(state, &found.plan));
                 }
             },
             () = interrupts.next() => return Ok(ExitCode::FAILURE),
         }
     }
+}
+
+/// Whether a plan that leads somewhere is for a fault, by the coordinator's state: one for a station that is not received here alone is
+/// none, since messages may be lost on the way.
+fn is_fault(state: &LineState, plan: &RecoveryPlan) -> bool {
+    let is_auto = mode_from_code(state.mode).is_ok_and(|mode| mode == ControlMode::Auto);
+    !is_auto || !state.left_out.is_empty() || plan.has_alarms()
 }
 
 /// What is said where auto was in force from the beginning.
@@ -276,6 +288,14 @@ fn cause_lines(line: &Line, causes: &[(&str, &StationState)], signals_off: &[Sta
     lines
 }
 
+/// What a plan is for.
+struct PlanPlace<'p> {
+    /// The directory of the line or cell, or its description file.
+    path: &'p str,
+    /// The station of each resource of a cell.
+    stations: &'p [(String, String)],
+}
+
 /// What a picture shows.
 struct PictureOf<'p> {
     /// Steps that were done.
@@ -294,8 +314,8 @@ impl<'p> PictureOf<'p> {
 }
 
 /// The plan as lines of text.
-fn picture(client: &OperatorClient, cell: Option<&CellClient>, path: &str, of: &PictureOf<'_>) -> ShownList {
-    let (line, &PictureOf { done, found, commands, failed }) = (client.line(), of);
+fn picture(client: &OperatorClient, cell: Option<&CellClient>, place: &PlanPlace<'_>, of: &PictureOf<'_>) -> ShownList {
+    let (line, path, &PictureOf { done, found, commands, failed }) = (client.line(), place.path, of);
     let cell = cell.and_then(CellClient::heard_lately);
     let mut head = match client.coordinator() {
         Some(state) => vec![format!("{} — mode: {}", line.title, state.text)],
@@ -343,25 +363,14 @@ fn picture(client: &OperatorClient, cell: Option<&CellClient>, path: &str, of: &
     }
     tail.extend(plan.end_text(line));
     tail.extend(plan.shorter_text().map(str::to_owned));
+    let down = cell.map_or(&[][..], |cell| cell.down.as_slice());
     if is_over {
         tail.push("nothing to do".to_owned());
+        let left_out = client.coordinator().map_or(&[][..], |state| state.left_out.as_slice());
+        tail.extend(service::left_out(path, left_out, down, place.stations));
     }
-    tail.extend(out_of_service(path, cell.map_or(&[], |cell| cell.down.as_slice())));
+    tail.extend(service::out_of_service(path, down));
     ShownList { head, steps, tail }
-}
-
-/// The resources that are out of service, and what counts on them again: no mode does.
-fn out_of_service(path: &str, down: &[String]) -> Vec<String> {
-    let command = |words: &[&str]| {
-        let words: Vec<String> = ["resource", path].iter().chain(words).map(|&word| word.to_owned()).collect();
-        typed_words(&words)
-    };
-    if down.is_empty() {
-        return Vec::new();
-    }
-    let why = format!("out of service: {}; since when and why: `{}`", down.join(", "), command(&[]));
-    let up = down.iter().map(|name| format!("       when {name} can be counted on: `{}`", command(&[name, "up"])));
-    std::iter::once(why).chain(up).collect()
 }
 
 /// What stands in place of the command of a press that has failed twice: the cause.
@@ -388,12 +397,12 @@ fn refused(client: &OperatorClient, step: &RecoveryStep) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use linewright_coordinator_cell::texts::ListedAnswer;
-    use linewright_recovery::StandingAlarm;
+    use linewright_node_line::mode_to_code;
+    use linewright_recovery::{RecoveryEnd, StandingAlarm};
 
     use super::*;
     use linewright_coordinator_logic::ModeCommand;
     use linewright_line::TransferLine;
-    use linewright_line::net::ControlMode;
 
     fn line() -> Line {
         linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line
@@ -430,13 +439,16 @@ mod tests {
         assert_eq!(typed(&line(), "l", &answer), ["linewright answer l 3 as-done", "linewright answer l 3 as-before"]);
     }
 
-    /// Auto leaves out what an alarm by hand has taken out.
+    /// A message that is lost on the way to this command ends no waiting.
     #[test]
-    fn a_resource_that_is_out_of_service_has_the_command_that_counts_on_it_again() {
-        assert!(out_of_service("my cell", &[]).is_empty());
-        let [why, up] = &out_of_service("my cell", &["M1".to_owned()])[..] else { panic!("one resource") };
-        assert!(why.contains("out of service: M1") && why.contains("`linewright resource \"my cell\"`"), "{why}");
-        assert!(up.contains("`linewright resource \"my cell\" M1 up`"), "{up}");
+    fn a_station_that_is_not_received_here_alone_is_no_fault() {
+        let unheard =
+            RecoveryPlan::ends(vec![step(RecoveryAction::First(Need::Heard(StationId(1))))], RecoveryEnd::Auto);
+        let state = |mode| LineState { mode: mode_to_code(mode), ..LineState::default() };
+        assert!(!is_fault(&state(ControlMode::Auto), &unheard));
+        assert!(is_fault(&state(ControlMode::StandBy), &unheard));
+        let left_out = vec!["clamp_1".to_owned()];
+        assert!(is_fault(&LineState { left_out, ..state(ControlMode::Auto) }, &unheard));
     }
 
     #[test]
