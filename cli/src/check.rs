@@ -59,6 +59,12 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         Some(file) => Some(cell::read(file, line.as_ref(), args.json)?),
         None => nothing_of(args.options.of_cells(), "a cell").map(|()| None)?,
     };
+    if let (Some(file), None, Some(Err(_)), false) = (&files.line, &line, &cell, args.json) {
+        crate::out::complain!(
+            "note: times, tasks and stations of the cell follow from {}: mend that first, errors of the cell may end with it",
+            load::file_of(file).display()
+        );
+    }
     // Without the cell beside it the line is not judged; what needs no exploration is shown before that begins.
     let line_judged = files.line.as_ref().zip(line.as_ref()).filter(|_| !matches!(cell, Some(Err(_))));
     if let Some((file, line)) = line_judged {

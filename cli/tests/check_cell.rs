@@ -184,6 +184,20 @@ fn beside_its_line(cell: (&str, &str), line: (&str, &str)) -> (Option<i32>, Stri
 
 const AS_IT_IS: (&str, &str) = ("name = \"workcell_c1\"", "name = \"workcell_c1\"");
 
+/// A time that is left out follows from the line, which is not known.
+#[test]
+fn errors_of_a_cell_whose_line_has_errors_point_to_the_line() {
+    const TIMED: &str = "time_s = 12 # as planned\norders = [ # what stations are told: task, its parameters, and how long it may take\n  \
+                         { station = \"robot\", task = \"load m1\", parameters = { slot = \"ST.position\" }, max_s = 24 },";
+    let without_time =
+        (TIMED, "orders = [\n{ station = \"robot\", task = \"load m1\", parameters = { slot = \"ST.position\" } },");
+    let broken = ("[[station]]", "[[statio]]");
+    for (cell, line, is_noted) in [(without_time, broken, true), (without_time, AS_IT_IS, false)] {
+        let (code, _, errors) = beside_its_line(cell, line);
+        assert_eq!((code == Some(1), errors.contains("mend that first")), (is_noted, is_noted), "{errors}");
+    }
+}
+
 /// Errors in the text of a cell are all that is printed: nothing of the line is praised behind them.
 #[test]
 fn a_line_beside_a_cell_with_errors_is_not_judged() {

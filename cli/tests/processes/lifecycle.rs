@@ -86,7 +86,7 @@ fn a_station_is_deactivated_in_auto_and_comes_back_by_an_operator_alone() {
     operator.wait("it is taken as started again", |h| {
         h.station("clamp_1").lifecycle == StationState::LIFECYCLE_ACTIVE
             && h.station("clamp_1").boot_id != life
-            && h.line.text.contains("clamp_1: restarted")
+            && h.line.text.contains("clamp_1: operation incomplete")
     });
     assert_eq!(operator.heard().line.mode, StationState::MODE_STANDBY, "{}", operator.picture());
     assert!(!rig.eye.seen().energised().iter().any(|output| output.contains("clamp_1 ")), "activity moves nothing");
