@@ -4,6 +4,7 @@
 use linewright_line::net::StationNet;
 use linewright_line::{Arrow, Line, OpId, StationId, TransferLine, parse};
 use linewright_nets::explore;
+use linewright_proof::generate::{self, LineShape};
 use linewright_proof::structure::chart::{every_circuit_has_a_token, home_is_consistent, run_ahead, separated};
 use linewright_proof::structure::{StructureReport, judge_line, judge_stations};
 
@@ -141,6 +142,35 @@ fn a_lag_more_lets_the_states_overlap() {
     let [from, to] = [line.arrows[1].from, line.arrows[1].to].map(|end| full_name(&line, end));
     let arrow = format!("from = \"{from}\", to = \"{to}\", lag = 1");
     assert!(why.contains("an arrow may be the wrong way round: ") && why.contains(&arrow), "{why}");
+}
+
+/// In a ring each station waits for each other one at some time. Each arrow that is advised there separates, and lets the cycle go on.
+#[test]
+fn of_states_that_wait_for_each_other_too_far_back_the_missing_arrow_is_named() {
+    let shape =
+        LineShape { stations: 3..=3, operations: 2..=4, more_arrows: 0, more_conflicts: 2, ..LineShape::default() };
+    let mut advised_arrows = 0;
+    for seed in 0..60 {
+        let whole = generate::line(&shape, seed);
+        for index in 0..whole.arrows.len() {
+            let mut line = whole.clone();
+            line.arrows.remove(index);
+            for conflict in &line.conflicts {
+                let Err(gap) = separated(&line, conflict) else { continue };
+                let text = gap.to_string();
+                let Some((_, advice)) = text.split_once("either has ended; an arrow ") else { continue };
+                let Some((advice, _)) = advice.split_once(" in both modes keeps them apart") else { continue };
+                for one in advice.split(" or ") {
+                    let mut mended = line.clone();
+                    mended.arrows.push(advised(&line, one));
+                    assert!(separated(&mended, conflict).is_ok(), "seed {seed}, without arrow {index}: {text}");
+                    assert!(every_circuit_has_a_token(&mended).is_ok(), "seed {seed}, without arrow {index}: {text}");
+                    advised_arrows += 1;
+                }
+            }
+        }
+    }
+    assert!(advised_arrows > 10, "{advised_arrows}");
 }
 
 #[test]

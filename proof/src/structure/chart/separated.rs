@@ -33,6 +33,7 @@ use std::collections::VecDeque;
 use linewright_line::{Arrow, Conflict, Line, StateSpan, StationId};
 use thiserror::Error;
 
+use super::every_circuit_has_a_token;
 use super::{ChartIndex, EventGraph};
 use crate::structure::full_name;
 
@@ -222,8 +223,22 @@ impl<'a> Lags<'a> {
         if sum <= SUM_MAX {
             return Ok(());
         }
-        Err(overlap(line, (a, back), (b, there)))
+        let mut closer = Vec::new();
+        for (before, after, opposite) in [(a, b, back), (b, a, there)] {
+            closer.extend(self::closer(line, before, after, SUM_MAX.checked_sub(opposite + crosses(a) + crosses(b))));
+        }
+        Err(overlap(line, (a, back), (b, there), &closer))
     }
+}
+
+/// The arrow by which a state waits for the end of another one, this number of cycles back at most; none where operations would wait for each
+/// other in a circuit then.
+fn closer(line: &Line, before: &StateSpan, after: &StateSpan, lag: Option<u32>) -> Option<Arrow> {
+    let (from, to) = ((before.station, before.until), (after.station, after.from));
+    let arrow = Arrow { from, to, lag: lag?, auto: true, manual: true };
+    let mut with = line.clone();
+    with.arrows.push(arrow);
+    every_circuit_has_a_token(&with).is_ok().then_some(arrow)
 }
 
 /// 1 for a state that lasts into the next cycle.
@@ -232,7 +247,8 @@ fn crosses(span: &StateSpan) -> u32 {
 }
 
 /// How two states overlap that each begin only after an end of the other, each with the number of cycles back of that end.
-fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u32)) -> ChartOverlap {
+/// `closer`: the arrows of which each would keep them apart.
+fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u32), closer: &[Arrow]) -> ChartOverlap {
     let waits = |state: &StateSpan, lag: u32, other: &StateSpan| {
         let cycle = match lag {
             0 => "in the same cycle".to_owned(),
@@ -252,6 +268,10 @@ fn overlap(line: &Line, (a, back): (&StateSpan, u32), (b, there): (&StateSpan, u
              may be swapped",
             station.name
         );
+    }
+    if !closer.is_empty() {
+        let closer: Vec<String> = closer.iter().map(|arrow| written(line, arrow)).collect();
+        text += &format!("; an arrow {} in both modes keeps them apart", closer.join(" or "));
     }
     let Some((written, arrows)) = arrows_between(line, a.station, b.station, |_| true) else {
         return ChartOverlap { text, arrows: Vec::new() };
