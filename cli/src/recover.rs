@@ -117,7 +117,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     follow(&mut client, cell, newest, &place, args.wait).await
 }
 
-/// A plan that is looked for is said to be after a time in which the one before is shown.
+/// How long the plan before stays shown while another one is searched for; after it the list has a line that a search is going on.
 const SHOWN_AFTER: Duration = Duration::from_secs(1);
 
 /// Shows the plan until auto is in force; with `waits`, until it is again after a fault.
@@ -198,7 +198,7 @@ fn is_fault(state: &LineState, plan: &RecoveryPlan) -> bool {
     !is_auto || !state.left_out.is_empty() || plan.has_alarms()
 }
 
-/// What is said where auto was in force from the beginning.
+/// Text for a line in which auto was in force when the command was started.
 fn nothing_to_recover(path: &str) -> String {
     let wait = typed_words(&["recover", path, "--wait"].map(str::to_owned));
     format!("auto is in force, so there is nothing to recover; `{wait}` waits for a fault and lists then what to do")

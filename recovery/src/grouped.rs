@@ -1,6 +1,7 @@
 //! A list found by the search in another order: presses of one station one after the other, where the order between stations is free.
 //!
-//! Nobody has to walk from panel to panel and back. Whether an order is permitted the real controllers decide: it is played.
+//! So an operator does not walk from panel to panel and back. An order is permitted if the real controllers, played in that order, make the same
+//! motions and reach the same end.
 
 use linewright_line::StationId;
 

@@ -95,9 +95,10 @@ pub const STATES: usize = 50_000_000;
 const STATES_OF_ORDERS: usize = 10_000_000;
 /// The same of stations that are explored together where smaller parts of them decide what must never be.
 pub const STATES_TOGETHER: usize = 6_000_000;
-/// The same where they are expected to have many more states than that: what goes wrong within few steps is found all the same.
+/// Most states to keep of stations that are explored together and are expected to have more than [`MANY_MORE`] times
+/// [`STATES_TOGETHER`]: a violation within few steps of the start is found among these as well.
 pub const STATES_TOGETHER_FEW: usize = 500_000;
-/// So many times as many as [`STATES_TOGETHER`] are many more. Of lines of three stations that were tried, one had three tenths fewer states
+/// Expected states, as a multiple of [`STATES_TOGETHER`], above which only [`STATES_TOGETHER_FEW`] are looked at. Of lines of three stations that were tried, one had three tenths fewer states
 /// than expected, and one had more than three times as many.
 pub const MANY_MORE: u64 = 4;
 

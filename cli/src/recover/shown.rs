@@ -32,13 +32,13 @@ impl ShownList {
         })
     }
 
-    /// Says below the list that the way back is looked for; `steps` stand until it is found.
+    /// Adds the line that a plan is searched for below the list. `steps` are shown until it is found.
     pub fn search(&mut self, steps: Vec<Vec<String>>) {
         self.steps = steps;
         self.tail.push(SEARCHING.to_owned());
     }
 
-    /// Whether that is said last.
+    /// Whether the last line is that a plan is searched for.
     pub fn is_searching(&self) -> bool {
         self.tail.last().is_some_and(|last| last == SEARCHING)
     }

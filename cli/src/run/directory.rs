@@ -75,7 +75,7 @@ impl RunDirectory {
         }
     }
 
-    /// Why auto is not to be given by itself: the run before has not ended at home, and nobody has looked since.
+    /// Why auto is not to be given by itself: a run in this directory has not ended at home, and none since has.
     pub fn unfinished(&self) -> Option<String> {
         self.is_unfinished.then(|| {
             format!(

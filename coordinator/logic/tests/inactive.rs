@@ -10,7 +10,7 @@ use crate::common::CoordinatorBench;
 
 const INACTIVE: Option<LifecycleState> = Some(LifecycleState::Inactive);
 
-/// The second station is deactivated: its last words, in the life that was in force.
+/// Deactivates the node of the second station: the last report of its present life has the state inactive.
 fn deactivate(bench: &mut CoordinatorBench) {
     bench.heard[1].inactive = INACTIVE;
     bench.say(1);

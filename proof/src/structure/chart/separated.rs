@@ -158,7 +158,7 @@ impl<'a> Lags<'a> {
         let Err(mut overlap) = self.gaps(conflict, ConsideredWaits::InEveryMode) else {
             return Err(Gap::TakenBack(unguarded));
         };
-        let only_auto = self.gaps(conflict, ConsideredWaits::InAuto).is_ok();
+        let only_auto = self.is_separated(conflict, ConsideredWaits::InAuto);
         if only_auto {
             overlap.text += "; arrows of auto alone would, and manual gets round them";
         }
