@@ -4,11 +4,12 @@
 //! participants a host can discover (see `docs/ros.md`). Several nodes may share it.
 //!
 //! By default the participant stays on this machine. ROS 2's own default is the whole subnet; a machine that moves
-//! should not obey every host on it. "Stays" means that it announces itself and sends on the loopback address only; its
-//! sockets still listen on all, so this is a habit, not a firewall.
+//! should not obey every host on it. "Stays" means that it announces itself and sends on the loopback address only, and that
+//! its sockets are bound to the loopback device (see `confine.rs`).
 
 use crate::action::{self, ActionCaller, ActionOffer, RawActionServer};
 use crate::caller::{Caller, Mapping};
+use crate::confine::OpenFiles;
 use crate::names::{self, NameError};
 use crate::relay::Relay;
 use crate::service::Service;
@@ -87,7 +88,18 @@ impl Participant {
             Range::Localhost => Some(Arc::new(Relay::start(args.domain_id).map_err(|e| failed(e.to_string()))?)),
             Range::Subnet | Range::Off => None,
         };
+        let before = OpenFiles::now();
         let domain_participant = builder.build().map_err(|e| failed(e.to_string()))?;
+        if range == Range::Localhost {
+            match before.and_then(|before| before.confine_newer()) {
+                Ok(sockets) => tracing::debug!("{sockets} sockets bound to the loopback device"),
+                // It is a barrier besides: what is announced and sent stays on this machine all the same.
+                Err(error) => tracing::warn!(
+                    "the DDS sockets cannot be bound to the loopback device ({error}), which takes Linux 5.7: they listen on every \
+                     network of this machine. Keep UDP ports 7400 to 65535 of this machine behind a firewall"
+                ),
+            }
+        }
         let context = Context::from_domain_participant(domain_participant).map_err(|e| failed(e.to_string()))?;
         for warning in &args.warnings {
             tracing::warn!("{warning}");

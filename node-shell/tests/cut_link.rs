@@ -12,7 +12,7 @@
 //! terminal.
 
 use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{ChildStdin, ChildStdout, Stdio};
 use std::time::{Duration, Instant};
 
 use linewright_msgs::{Flag, Text};
@@ -20,61 +20,15 @@ use linewright_node_shell::{Participant, Publisher, Range, RosArgs, RosNode, for
 use tokio::sync::mpsc;
 use tokio::time::{sleep, timeout};
 
-const INSIDE: &str = "cut_link::inside_the_namespace";
-const BESIDE: &str = "cut_link::beside_it";
+use crate::namespace::{Ended, OtherNamespace, is_alone, run_inside, shell, skip, up};
 
 /// Later than what is still obeyed, by far less than the middleware keeps it.
 const CUT: Duration = Duration::from_secs(5);
 const PATIENCE: Duration = Duration::from_secs(40);
 
-/// Writes past the test harness, which would swallow it.
-fn skip(why: &str) {
-    let _ = writeln!(std::io::stderr(), "SKIPPED a link that is cut: {why}");
-}
-
 #[test]
 fn what_was_kept_for_a_cut_link_is_not_obeyed_but_the_stop_and_releases_are() {
-    let script = "ip link add lwcut0 type veth peer name lwcut1 && ip link del lwcut0";
-    let probe = Command::new("unshare").args(["-rn", "sh", "-c", script]).stderr(Stdio::null()).status();
-    if !probe.is_ok_and(|status| status.success()) {
-        return skip("no right to make a network namespace with a pair of interfaces");
-    }
-    let own = std::env::current_exe().expect("own path");
-    let mut inside = Command::new("unshare");
-    inside.arg("-rn").arg(own).args(["--exact", INSIDE, "--ignored", "--nocapture"]);
-    let ended = inside.stderr(Stdio::inherit()).output().expect("started");
-    let said = String::from_utf8_lossy(&ended.stdout);
-    println!("{said}");
-    assert!(ended.status.success() && said.contains("1 passed"), "see above");
-}
-
-/// Whether only loopback is there, and the pair of interfaces of this test.
-fn is_alone() -> bool {
-    let devices = std::fs::read_to_string("/proc/net/dev").unwrap_or_default();
-    let mut names = devices.lines().skip(2).filter_map(|line| Some(line.split_once(':')?.0.trim()));
-    names.all(|name| name == "lo" || name.starts_with("lwcut"))
-}
-
-fn shell(script: &str) {
-    let status = Command::new("sh").args(["-ec", script]).status().expect("a shell");
-    assert!(status.success(), "{script}");
-}
-
-/// Gives this end of the pair its address, and multicast its way.
-fn up(interface: &str, address: &str) -> String {
-    format!(
-        "ip addr replace {address}/24 dev {interface}; ip link set {interface} up; ip route replace 239.0.0.0/8 dev {interface}"
-    )
-}
-
-/// A process of its own that ends with this.
-struct Ended(Child);
-
-impl Drop for Ended {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
+    run_inside("a link that is cut", "cut_link::inside_the_namespace");
 }
 
 /// The publisher in the other namespace.
@@ -82,29 +36,17 @@ struct PublisherBeside {
     to: ChildStdin,
     from: BufReader<ChildStdout>,
     _ended: Ended,
-    _namespace: Ended,
+    _namespace: OtherNamespace,
 }
 
 impl PublisherBeside {
     fn start() -> Self {
-        let mut holder = Command::new("unshare");
-        holder.args(["-n", "sh", "-c", "echo there && exec sleep 300"]).stdout(Stdio::piped());
-        let mut holder = Ended(holder.spawn().expect("a namespace"));
-        let mut said = String::new();
-        BufReader::new(holder.0.stdout.take().expect("piped")).read_line(&mut said).expect("it is there");
-        let id = holder.0.id();
-        shell(&format!(
-            "ip link set lo up; ip link add lwcut0 type veth peer name lwcut1; ip link set lwcut1 netns {id}; {}; \
-             nsenter -t {id} -n sh -ec 'ip link set lo up; {}'",
-            up("lwcut0", "10.77.0.1"),
-            up("lwcut1", "10.77.0.2")
-        ));
-        let mut beside = Command::new("nsenter");
-        beside.args(["-t", &id.to_string(), "-n"]).arg(std::env::current_exe().expect("own path"));
-        beside.args(["--exact", BESIDE, "--ignored", "--nocapture"]).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let namespace = OtherNamespace::start();
+        let mut beside = namespace.test("cut_link::beside_it");
+        beside.stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = beside.spawn().expect("started");
         let (to, from) = (child.stdin.take().expect("piped"), child.stdout.take().expect("piped"));
-        PublisherBeside { to, from: BufReader::new(from), _ended: Ended(child), _namespace: holder }
+        PublisherBeside { to, from: BufReader::new(from), _ended: Ended(child), _namespace: namespace }
     }
 
     /// Has it send one message, and waits until that is done.
