@@ -12,6 +12,7 @@ mod chart;
 mod check;
 mod client;
 mod console;
+mod deploy;
 mod described;
 mod devices;
 mod expand;
@@ -109,6 +110,8 @@ enum CliCommand {
     Can(can::CanArgs),
     /// List the ROS 2 messages, services and actions of a line with their type hashes, or show one.
     Interface(interface::Args),
+    /// Write for each host of a line what is to be installed on it: description, services and their settings.
+    Deploy(deploy::Args),
     /// Print the JSON schema of a description, for editors: line, cell or scenario.
     Schema(schema::Args),
     /// Print the completion script of a shell: bash, elvish, fish, powershell or zsh.
@@ -220,6 +223,7 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Console(args) => logged(&ros, || asynchronous(async { console::run(args, &ros).await })),
         CliCommand::Can(args) => asynchronous(async move { can::run(args, &ros).await }),
         CliCommand::Interface(args) => interface::run(&args),
+        CliCommand::Deploy(args) => deploy::run(&args, &ros),
         CliCommand::Schema(args) => schema::run(&args),
         CliCommand::Completions(args) => shell::completions(&args),
         CliCommand::Man(args) => shell::man(&args),

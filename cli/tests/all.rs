@@ -7,6 +7,7 @@ mod can;
 mod check;
 mod check_cell;
 mod check_parts;
+mod deploy;
 mod describe;
 mod fuzzed;
 mod interface;

@@ -13,6 +13,7 @@ mod args;
 mod bytes;
 mod caller;
 mod claim;
+mod confine;
 mod environment;
 mod identity;
 mod journal;

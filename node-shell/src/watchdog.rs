@@ -15,6 +15,8 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread;
 use std::time::Duration;
 
+use sd_notify::NotifyState;
+
 /// Exit code of a process whose loop stands still: an internal error, as `sysexits.h` numbers it.
 const STANDS_STILL: i32 = 70;
 /// Number of pieces of the limit that have to pass without a feed.
@@ -38,11 +40,27 @@ impl Watchdog {
     /// Watches from now on; `name` is its name in the log. Where the operating system gives no thread for that, it is
     /// logged, and no process is ended.
     pub fn start(name: &str, limit: Duration) -> Self {
+        Watchdog::watch(name, limit, false)
+    }
+
+    /// The same of the loop of a node, which a service manager is informed of: ready when it is fed for the first time, and then that it
+    /// is alive in each tenth of the limit in which it was fed. Nothing is sent where none asks for it (`NOTIFY_SOCKET`, sd_notify(3)).
+    pub fn start_of_node(name: &str, limit: Duration) -> Self {
+        Watchdog::watch(name, limit, true)
+    }
+
+    fn watch(name: &str, limit: Duration, is_of_node: bool) -> Self {
         let fed = Arc::new(AtomicBool::new(true));
         let last: Arc<LastFeed> = Arc::default();
         let (seen, at_the_end, name) = (Arc::downgrade(&fed), last.clone(), name.to_owned());
         let spawned = thread::Builder::new().name("watchdog".to_owned()).spawn(move || {
-            if stands_still(&seen, limit / PIECES) {
+            let mut is_ready = false;
+            let fed = || {
+                if is_of_node {
+                    notify(&mut is_ready);
+                }
+            };
+            if stands_still(&seen, limit / PIECES, fed) {
                 // First of all: a log without a reader may hold this thread up.
                 let acts = std::mem::take(&mut *at_the_end.lock().unwrap_or_else(PoisonError::into_inner));
                 acts.into_iter().for_each(|act| act());
@@ -68,13 +86,29 @@ impl Watchdog {
     }
 }
 
-/// Waits until it was not fed for [`PIECES`] in a row, or no feeder is left; true in the first case.
-fn stands_still(fed: &Weak<AtomicBool>, piece: Duration) -> bool {
-    let mut missed = 0;
+/// Informs the service manager that the node is alive, and of the first time that it is ready. A manager that does not take it ends the
+/// service by its own rule.
+fn notify(is_ready: &mut bool) {
+    let states = [NotifyState::Watchdog, NotifyState::Ready];
+    let number = if *is_ready { 1 } else { 2 };
+    match sd_notify::notify(&states[..number]) {
+        Ok(()) => *is_ready = true,
+        Err(error) => tracing::debug!("the service manager was not informed: {error}"),
+    }
+}
+
+/// Waits until it was not fed for [`PIECES`] in a row, or no feeder is left; true in the first case. Calls `alive` after each piece in which
+/// it was fed, but for the first one: there it counts as fed from the start.
+fn stands_still(fed: &Weak<AtomicBool>, piece: Duration, mut alive: impl FnMut()) -> bool {
+    let (mut missed, mut is_first) = (0, true);
     while missed < PIECES {
         thread::sleep(piece);
         let Some(fed) = fed.upgrade() else { return false };
         missed = if fed.swap(false, Ordering::Relaxed) { 0 } else { missed + 1 };
+        if missed == 0 && !is_first {
+            alive();
+        }
+        is_first = false;
     }
     true
 }

@@ -96,7 +96,7 @@ pub async fn run(
     participant: &Participant,
     stop: watch::Receiver<bool>,
 ) -> Result<(), CoordinatorNodeError> {
-    let watchdog = Watchdog::start("coordinator", Watchdog::LIMIT);
+    let watchdog = Watchdog::start_of_node("coordinator", Watchdog::LIMIT);
     let mut node = CoordinatorLoop::start(options, participant)?;
     watchdog.before_the_end(node.buses.last_orders());
     let outcome = node.work(&watchdog, stop).await;

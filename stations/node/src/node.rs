@@ -87,7 +87,7 @@ pub async fn run(
     participant: &Participant,
     stop: watch::Receiver<bool>,
 ) -> Result<(), StationNodeError> {
-    let watchdog = Watchdog::start(&options.line.station(options.station).name, Watchdog::LIMIT);
+    let watchdog = Watchdog::start_of_node(&options.line.station(options.station).name, Watchdog::LIMIT);
     let mut node = StationLoop::start(options, participant)?;
     if let Some(last) = node.buses.as_ref().map(Joined::last_orders) {
         watchdog.before_the_end(last);
