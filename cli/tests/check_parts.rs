@@ -23,7 +23,7 @@ fn a_line_of_many_stations_is_explored_in_parts_and_like_parts_once() {
     // A failure in a part says what was not in it, and what looks further.
     let output = linewright(&["check", &dir, "--flags"]);
     let out = text(&output.stdout);
-    let help = format!("  help: this part leaves out {}, and their arrows,", outside.join(", "));
+    let help = format!("  help: this part leaves out {}, with arrows", outside.join(", "));
     assert_eq!(out.matches(&help).count(), 1, "{out}");
     assert!(out.contains("`--whole` explores all of it"), "{out}");
     assert!(out.contains(": undecided: in this part after ") && !out.contains('✗'), "{out}");
@@ -78,6 +78,25 @@ fn of_a_whole_line_that_is_far_too_large_only_the_first_states_are_looked_at() {
     assert_eq!((explorations[1]["kept"].as_u64(), parts), (Some(500_000), 6), "each pair, with restarts and without");
     let help = explorations[1]["help"].as_str().unwrap();
     assert!(help.contains("000000 kept states are expected of the whole"), "{help}");
+}
+
+/// The stations of a ring that are kept apart by way of the third alone: the arrows to be written stand below the part, and decide it.
+#[test]
+fn in_a_ring_the_arrows_that_decide_a_part_are_written_out() {
+    let scratch = Scratch::new();
+    let row = include_str!("../../proof/tests/row.toml");
+    let check = |text: &str| linewright(&["check", &scratch.file("ring.toml", text), "--states", "100000"]);
+    let output = check(row);
+    let out = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let (_, help) = out.split_once("they delay nothing:\n").unwrap_or_else(|| panic!("{out}"));
+    let arrow = help.lines().next().unwrap().trim();
+    assert!(!out.contains("and so: s2 is in the way"), "a way that the line does not have: {out}");
+    assert!(out.contains("; the arrows named below the parts decide conflicts\n"), "{out}");
+    let (from, to) = arrow.split_once(", ").unwrap();
+    let mended = format!("{row}\n[[arrow]]\n{from}\n{}\n", to.replace(", ", "\n"));
+    let out = text(&check(&mended).stdout).to_owned();
+    assert!(!out.contains("? never: s2 is in the way"), "{arrow}: {out}");
 }
 
 /// The first and the third of a row meet where nothing joins them; the second one between keeps them apart.

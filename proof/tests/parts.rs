@@ -7,6 +7,7 @@ use linewright_line::{Line, TransferLine, parse};
 use linewright_proof::explore::{LineExploration, Verdict};
 use linewright_proof::generate::{self, LineShape, break_it, breakages, text};
 use linewright_proof::parts::{larger, parts, smallest_parts};
+use linewright_proof::structure::chart::{direct_arrows, every_circuit_has_a_token, home_is_consistent, separated};
 use linewright_station_logic::Program;
 use linewright_testkit::cases::cases;
 
@@ -171,6 +172,47 @@ fn a_rule_that_a_star_misses_is_missed_by_its_parts() {
         println!("rule {nth}: whole {whole}, part {part}");
         assert!(part, "rule {nth}");
     }
+}
+
+/// In a ring two stations may be kept apart by way of the third alone, which their part leaves out. The arrows that say so directly bring
+/// nothing into the line that was not there, and decide the part.
+#[test]
+fn a_part_is_decided_with_the_direct_arrows_of_what_it_leaves_out() {
+    let shape =
+        LineShape { stations: 3..=3, operations: 2..=3, more_arrows: 0, more_conflicts: 2, ..LineShape::default() };
+    let (mut decided, mut met_without) = (0, 0);
+    for seed in 0..40 {
+        let whole = generate::line(&shape, seed);
+        for index in 0..whole.arrows.len() {
+            let mut line = whole.clone();
+            line.arrows.remove(index);
+            if line.conflicts.iter().any(|conflict| separated(&line, conflict).is_err()) {
+                continue;
+            }
+            for part in smallest_parts(&line) {
+                let direct = direct_arrows(&line, &part);
+                if direct.is_empty() {
+                    continue;
+                }
+                let what = format!("seed {seed}, without arrow {index}: {}", part.names());
+                let mut with = line.clone();
+                with.arrows.extend(direct);
+                assert!(every_circuit_has_a_token(&with).is_ok() && home_is_consistent(&with).is_ok(), "{what}");
+                let of_with = smallest_parts(&with).into_iter().find(|other| other.stations == part.stations);
+                let of_with = of_with.expect("arrows join no more stations");
+                assert_eq!(direct_arrows(&with, &of_with), [], "{what}");
+                // Some of them are explored as well.
+                if decided < 6 {
+                    met_without += u64::from(met(&explored(&LineExploration::new(&part.line), 60_000)));
+                    let found = explored(&LineExploration::new(&of_with.line), 600_000);
+                    assert!(found.exhausted && found.holds(), "{what}: {:?}", found.properties);
+                }
+                decided += 1;
+            }
+        }
+    }
+    println!("{decided} parts, {met_without} of the first explored meet without");
+    assert!(decided >= 6 && met_without > 0, "{decided}, {met_without}");
 }
 
 #[test]

@@ -130,7 +130,10 @@ fn an_arrow_for_auto_alone_does_not_separate() {
     let mut line = shipped(1);
     line.arrows[0].manual = false;
     let why = separated(&line, &line.conflicts[0]).unwrap_err().to_string();
-    assert!(why.contains("manual gets round them"), "{why}");
+    let arrow = line.arrows[0];
+    let [from, to] = [arrow.from, arrow.to].map(|end| full_name(&line, end));
+    assert!(why.contains("manual gets round this one, which has to be without `modes`: "), "{why}");
+    assert!(why.ends_with(&format!("from = \"{from}\", to = \"{to}\"")), "{why}");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! no state says: a person sees it, and may lead the station on instead.
 
 use linewright_line::net::Block;
-use linewright_line::{Line, OpId, StationId};
+use linewright_line::{Grip, Line, OpId, StationId};
 
 use crate::plan::RecoveryPlan;
 use crate::reason::presses_home;
@@ -73,9 +73,17 @@ impl LedBack {
             }
             None => "advance alone does not lead it on from here".to_owned(),
         };
+        let holders = &line.handling.holders;
+        let hands = holders.iter().filter_map(|holder| if let Grip::Hand(closed) = holder.grip { Some(closed.station) } else { None });
+        // Where a line describes no holders, its stations may grip all the same.
+        let lets_go = match hands.into_iter().any(|of| of == *station) {
+            true => "; what it grips it lets go",
+            false if holders.is_empty() => "; if it grips anything, it lets it go",
+            false => "",
+        };
         format!(
             "{} is led back to where its cycle began, before {}{follows}. The part that it was to take then stays in the machine before it, \
-             and the next one may come onto it; what it was working on is not finished; what it grips it lets go. Look where its part is; \
+             and the next one may come onto it; what it was working on is not finished{lets_go}. Look where its part is; \
              {on}",
             name(*station),
             taken_back.join(" and "),

@@ -42,7 +42,7 @@ fn what_is_led_back_has_its_other_way_named_and_can_be_led_on() {
         [
             "mill_1 is led back to where its cycle began, before `rapid advance positioning slide` (after `advance clamp` of clamp_1). \
           The part that it was to take then stays in the machine before it, and the next one may come onto it; what it was \
-          working on is not finished; what it grips it lets go. Look where its part is; the other way: 4 presses of advance, on to the end of its cycle"
+          working on is not finished; if it grips anything, it lets it go. Look where its part is; the other way: 4 presses of advance, on to the end of its cycle"
         ]
     );
     let on = LineSituation { lead_on: vec![mill], ..now };

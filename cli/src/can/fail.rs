@@ -41,10 +41,10 @@ pub struct FailArgs {
     #[arg(long, requires = "operation")]
     recovery: bool,
     /// Input that has the fault; required for a fault of an input.
-    #[arg(long, conflicts_with_all = ["operation", "device"])]
-    input: Option<String>,
-    /// Name of the station's device [default: the first one; for `clear` all of them].
     #[arg(long, conflicts_with = "operation")]
+    input: Option<String>,
+    /// Name of the station's device; an operation and an input have theirs already [default: the first one; for `clear` all of them].
+    #[arg(long)]
     device: Option<String>,
     /// The CAN interface of the line's bus [default: the one that its coordinator has on this machine, if it runs, else vcan0].
     #[arg(long)]
@@ -116,6 +116,7 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
     if args.operation.is_some() {
         let fault = what.of_a_motion().ok_or_else(|| wrong_option(args))?;
         let (device, sub) = moving(line, args)?;
+        is_meant(device, args)?;
         if let Some(fault) = fault.filter(|fault| device.drive().is_some() && !MotionFault::OF_DRIVE.contains(fault)) {
             let can = MotionFault::OF_DRIVE.map(MotionFault::name).join(" or ");
             return Err(miette!(
@@ -138,6 +139,7 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
     if let Some(name) = &args.input {
         let fault = what.of_an_input().ok_or_else(|| wrong_option(args))?;
         let (device, bit) = input(line, owner, &args.station, name)?;
+        is_meant(device, args)?;
         return Ok(vec![(device, InputFault::orders(bit, fault))]);
     }
     let orders = what.of_a_device().ok_or_else(|| needs(line, owner, args))?;
@@ -157,6 +159,25 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
         _ => devices.truncate(1),
     }
     Ok(devices.into_iter().map(|device| (device, orders.clone())).collect())
+}
+
+/// An operation or an input is of one device: another one cannot be asked for.
+fn is_meant(device: &Device, args: &FailArgs) -> miette::Result<()> {
+    match args.device.as_deref().filter(|named| *named != device.name) {
+        None => Ok(()),
+        Some(named) => {
+            let of = match (&args.operation, &args.input) {
+                (Some(operation), _) => format!("the output that moves `{operation}`"),
+                (None, input) => format!("the input `{}`", input.as_deref().unwrap_or_default()),
+            };
+            Err(miette!(
+                help = "leave --device out; without --operation and --input a fault is one of the whole device",
+                "{of} of {} is on device `{}`, not on `{named}`",
+                args.station,
+                device.name
+            ))
+        }
+    }
 }
 
 fn owner(line: &Line, args: &FailArgs) -> miette::Result<Owner> {

@@ -27,6 +27,10 @@ pub struct Exploration {
     /// Of a part: the stations of the line that are not in it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<String>,
+    /// Of a part that leaves a conflict open: the arrows, as they are written, that arrows of left-out stations stand for, and that keep the
+    /// conflict's states apart in the part as well.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub direct_arrows: Vec<String>,
     /// It has more states than were looked at, and what must never be is decided by smaller parts. The rest is open, and not listed.
     #[serde(skip)]
     pub is_left_to_parts: bool,
@@ -81,6 +85,7 @@ impl Exploration {
             exhausted,
             help: None,
             left_out: Vec::new(),
+            direct_arrows: Vec::new(),
             is_left_to_parts: false,
             is_restarted: false,
             properties,
@@ -94,6 +99,10 @@ impl Exploration {
             property.verdict = "undecided";
             property.reason = format!("undecided: in this part {}", property.reason);
             property.is_left_open = true;
+        }
+        // What its search had not seen when it ended, and no part decides.
+        if self.properties.iter().any(|property| property.is_left_open) {
+            self.properties.retain(|property| property.verdict != "undecided" || property.holds_by_parts);
         }
     }
 
@@ -110,9 +119,16 @@ impl Exploration {
         if more > 0 {
             names += &format!(" and {more} more");
         }
-        Some(format!(
-            "this part leaves out {names}, and their arrows, which may prevent this in the line: `--whole` explores all of it. Where the line is too large for that, add arrows directly between the stations of this part that keep them apart: they count in it"
-        ))
+        let prevented = format!("this part leaves out {names}, with arrows that may prevent this in the line");
+        let arrows: String = self.direct_arrows.iter().map(|arrow| format!("\n        {arrow}")).collect();
+        Some(match arrows.is_empty() {
+            true => format!(
+                "{prevented}: `--whole` explores all of it. Where the line is too large for that, add arrows directly between the stations of this part that keep them apart: they count in it"
+            ),
+            false => format!(
+                "{prevented}. To decide it, write as [[arrow]] what these come to between the stations of this part; where nothing fails, they delay nothing:{arrows}"
+            ),
+        })
     }
 
     /// Whether a property has this verdict.

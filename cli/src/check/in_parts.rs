@@ -3,6 +3,7 @@
 use linewright_line::Line;
 use linewright_proof::explore::LineNotExplorable;
 use linewright_proof::parts::{self, SubLine};
+use linewright_proof::structure::chart::{direct_arrows, written};
 
 use super::explored::{Exploration, LineFinding};
 use super::explorer::{Explorer, PART};
@@ -56,10 +57,18 @@ impl<'a> Explorer<'a> {
             },
         };
         // Arrows join the stations of a part to those outside it; one that is explored alone has none.
-        if what == PART && known.is_none() {
+        if what == PART {
+            let arrows: Vec<String> = direct_arrows(line, &part).iter().map(|arrow| written(line, arrow)).collect();
             let outside = line.station_ids().filter(|id| !part.stations.contains(id));
             let outside: Vec<String> = outside.map(|id| line.station(id).name.clone()).collect();
-            explored.iter_mut().for_each(|exploration| exploration.left_out.extend(outside.iter().cloned()));
+            for exploration in &mut explored {
+                exploration.left_out.extend(outside.iter().cloned());
+                // A smaller part within this one has its own already.
+                let is_open = exploration.properties.iter().any(LineFinding::is_open_by_parts);
+                if is_open && exploration.direct_arrows.is_empty() {
+                    exploration.direct_arrows.clone_from(&arrows);
+                }
+            }
         }
         let found_now = || (explored.iter().all(Exploration::holds), explored.first().map_or(0, |first| first.kept));
         let (holds, kept) = known.unwrap_or_else(found_now);
@@ -105,8 +114,8 @@ impl Exploration {
     /// The conflicts of a part that is not explored itself; of one without conflicts, that it is not.
     fn unexplored(part: &SubLine, what: &str, verdict: &'static str, reason: &str) -> Self {
         let property = |(name, holds_by_parts)| {
-            let reason = reason.to_owned();
-            LineFinding { name, verdict, reason, counterexample: None, holds_by_parts, is_left_open: false }
+            let (reason, is_left_open) = (reason.to_owned(), holds_by_parts && verdict == "undecided");
+            LineFinding { name, verdict, reason, counterexample: None, holds_by_parts, is_left_open }
         };
         let conflicts = part.line.conflicts.iter().map(|conflict| (format!("never: {}", conflict.why), true));
         let whole = part.line.conflicts.is_empty().then(|| ("explored".to_owned(), false));
@@ -119,6 +128,7 @@ impl Exploration {
             exhausted: verdict == "holds",
             help: None,
             left_out: Vec::new(),
+            direct_arrows: Vec::new(),
             is_left_to_parts: false,
             is_restarted: false,
             properties: conflicts.chain(whole).map(property).collect(),

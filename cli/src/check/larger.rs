@@ -85,6 +85,7 @@ mod tests {
             exhausted: true,
             help: None,
             left_out: Vec::new(),
+            direct_arrows: Vec::new(),
             is_left_to_parts: false,
             is_restarted: scope.contains("restarted"),
             properties: verdicts.iter().map(finding).collect(),

@@ -60,6 +60,9 @@ impl CheckProgress {
         for shown in [parts.join(", "), what.to_owned()].into_iter().filter(|shown| !shown.is_empty()) {
             text += &format!(": {shown}");
         }
+        if self.search.is_again() {
+            text += "; once more from the start, for the nearest violation";
+        }
         if states_max > 0 {
             text += &format!("; {states} looked at, the limit is {states_max}");
         }

@@ -118,7 +118,11 @@ fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     };
     match (failed, open) {
         (0, 0) => writeln!(out, "\n{sign} {name}: {all} checks hold{warnings}{}", left_out(report)),
-        (0, open) => writeln!(out, "\n? {name}: {open} of {all} checks are undecided{warnings}"),
+        (0, open) => {
+            let has_arrows = report.explorations.iter().any(|exploration| !exploration.direct_arrows.is_empty());
+            let remedy = if has_arrows { "; the arrows named below the parts decide conflicts" } else { "" };
+            writeln!(out, "\n? {name}: {open} of {all} checks are undecided{warnings}{remedy}")
+        }
         (failed, 0) => writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold{warnings}"),
         (failed, open) => {
             writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold, {open} are undecided{warnings}")
@@ -137,10 +141,21 @@ fn of_exploration(exploration: &Exploration, out: &mut String) -> std::fmt::Resu
             writeln!(out, "\n{scope}\n  {states} states ({kept} kept), {arcs} arcs, {mebibytes} MiB")?;
         }
     }
-    for LineFinding { name, verdict, reason, counterexample, .. } in &exploration.properties {
-        writeln!(out, "{} {name}: {reason}", sign(verdict))?;
-        if let Some(counterexample) = counterexample {
-            story(counterexample, out)?;
+    let alike = |a: &LineFinding, b: &LineFinding| {
+        a.verdict == "undecided" && b.verdict == "undecided" && a.reason == b.reason && b.counterexample.is_none()
+    };
+    for group in exploration.properties.chunk_by(alike) {
+        let (names, last) = group.split_at(group.len() - 1);
+        names.iter().try_for_each(|LineFinding { name, verdict, .. }| writeln!(out, "{} {name}", sign(verdict)))?;
+        for LineFinding { name, verdict, reason, counterexample, .. } in last {
+            match names.is_empty() {
+                true => writeln!(out, "{} {name}: {reason}", sign(verdict))?,
+                false => writeln!(out, "{} {name}\n  each of these: {reason}", sign(verdict))?,
+            }
+            // Where arrows to be written exclude it, the way to it is of no line.
+            if let Some(counterexample) = counterexample.as_ref().filter(|_| exploration.direct_arrows.is_empty()) {
+                story(counterexample, out)?;
+            }
         }
     }
     let helps = exploration.help.iter().cloned().chain(exploration.outside_text());

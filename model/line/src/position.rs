@@ -372,7 +372,8 @@ impl Line {
                 || (ends && only(Meets::AtItsEnd))
                 || (begins && ends && only(Meets::AtBothEnds));
             if meets.is_some() && !at_the_border {
-                return Err(NoClearance::NotSeen { op: station.steps[step][0] });
+                let cut = station.cut_short(span, &before, &inside, &end);
+                return Err(cut.map_or(NoClearance::NotSeen { op: station.steps[step][0] }, NoClearance::CutShort));
             }
         }
         let on = still.iter().fold(0, |bits, &axis| bits | station.switches_at(AxisId::at(axis), rest[axis]));

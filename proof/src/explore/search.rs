@@ -262,7 +262,10 @@ pub(crate) fn explore(
         return Ok(explored);
     }
     let plain = LineExploration { lumped: false, ..setting.clone() };
-    let again = fit(&plain, SearchLimits { states: limits.states.min(PLAIN_STATES_MAX), ..limits }, progress)?;
+    progress.looks_again(true);
+    let again = fit(&plain, SearchLimits { states: limits.states.min(PLAIN_STATES_MAX), ..limits }, progress);
+    progress.looks_again(false);
+    let again = again?;
     Ok(if again.exhausted || again.counterexample().is_some() { again } else { explored })
 }
 

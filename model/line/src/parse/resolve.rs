@@ -263,11 +263,12 @@ impl StationScope<'_, '_> {
                 .label(format!("used as an {direction}"))
                 .also(place, format!("bound as an {other}"));
         }
+        let add = format!("add it to the {direction}s of a [[device]] with station = \"{}\"", self.name);
         let hint = match nearest(&name.value, table.names()) {
-            Some(near) => format!("did you mean `{near}`?"),
+            Some(near) => format!("did you mean `{near}`? If it is another one, {add}"),
             None => match self.owned.elsewhere(&name.value) {
                 Some(elsewhere) => format!("{elsewhere} has a signal of that name, but stations do not share signals"),
-                None => format!("add it to the {direction}s of a [[device]] with station = \"{}\"", self.name),
+                None => add,
             },
         };
         let message = format!("no device of station `{}` has an {direction} `{}`", self.name, name.value);

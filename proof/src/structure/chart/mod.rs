@@ -28,7 +28,7 @@ mod separated;
 use linewright_line::{Line, OpId, StationId};
 
 pub use ahead::{RunAhead, run_ahead};
-pub use separated::{ChartOverlap, Gap, all_separated, separated};
+pub use separated::{ChartOverlap, Gap, all_separated, direct_arrows, separated, written};
 
 use super::full_name;
 

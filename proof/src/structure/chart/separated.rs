@@ -34,6 +34,7 @@ use linewright_line::{Arrow, Conflict, Line, StateSpan, StationId};
 use thiserror::Error;
 
 use super::every_circuit_has_a_token;
+use crate::parts::SubLine;
 use super::{ChartIndex, EventGraph};
 use crate::structure::full_name;
 
@@ -158,9 +159,17 @@ impl<'a> Lags<'a> {
         let Err(mut overlap) = self.gaps(conflict, ConsideredWaits::InEveryMode) else {
             return Err(Gap::TakenBack(unguarded));
         };
-        let only_auto = self.is_separated(conflict, ConsideredWaits::InAuto);
-        if only_auto {
-            overlap.text += "; arrows of auto alone would, and manual gets round them";
+        if self.is_separated(conflict, ConsideredWaits::InAuto) {
+            let ChartOverlap { text, arrows } = &mut overlap;
+            let line = self.chart.line;
+            *text = match of_auto_alone(line, conflict) {
+                Some(at) => {
+                    *arrows = vec![at];
+                    let arrow = written(line, &line.arrows[at]);
+                    format!("in auto alone arrows keep them apart; manual gets round this one, which has to be without `modes`: {arrow}")
+                }
+                None => format!("in auto alone arrows keep them apart, and manual gets round them; {text}"),
+            };
         }
         Err(Gap::Forward(overlap))
     }
@@ -293,8 +302,8 @@ fn arrows_between(
     (!texts.is_empty()).then(|| (texts.join("; "), places))
 }
 
-/// An arrow as it is written, but for its modes.
-pub(super) fn written(line: &Line, arrow: &Arrow) -> String {
+/// An arrow as it is written in the description, but for its modes.
+pub fn written(line: &Line, arrow: &Arrow) -> String {
     let lag = if arrow.lag == 0 { String::new() } else { format!(", lag = {}", arrow.lag) };
     format!("from = \"{}\", to = \"{}\"{lag}", full_name(line, arrow.from), full_name(line, arrow.to))
 }
@@ -306,14 +315,55 @@ pub(super) fn missing_arrows(line: &Line) -> Vec<Arrow> {
     open.into_iter().filter_map(|of| lags.missing(&of.a, &of.b, ConsideredWaits::Guarded)).collect()
 }
 
+/// The arrows between two stations of a part that keep its conflicts apart, and that arrows of stations outside it stand for: with them the
+/// part is as ordered as the line is. Empty where the line does not keep them apart, or the part does.
+pub fn direct_arrows(line: &Line, part: &SubLine) -> Vec<Arrow> {
+    let (mut of_line, mut of_part) = (Lags::of(line), Lags::of(&part.line));
+    let outside = |station: StationId| part.stations[station.index()];
+    let in_line = |of: &StateSpan| StateSpan { station: outside(of.station), ..*of };
+    let mut arrows = Vec::new();
+    for conflict in &part.line.conflicts {
+        let whole = Conflict { why: conflict.why.clone(), a: in_line(&conflict.a), b: in_line(&conflict.b) };
+        if !of_line.is_separated(&whole, ConsideredWaits::Guarded) {
+            continue;
+        }
+        for (before, after) in [(&conflict.a, &conflict.b), (&conflict.b, &conflict.a)] {
+            let (from, to) = ((before.station, before.until), (after.station, after.from));
+            let known = of_part.least(from, to, ConsideredWaits::Guarded).unwrap_or(FAR);
+            let (from, to) = ((outside(from.0), from.1), (outside(to.0), to.1));
+            let lag = of_line.least(from, to, ConsideredWaits::Guarded).filter(|lag| *lag < known);
+            let arrow = lag.map(|lag| Arrow { from, to, lag, auto: true, manual: true });
+            arrows.extend(arrow.filter(|arrow| !arrows.contains(arrow)));
+        }
+    }
+    arrows
+}
+
 /// The arrow that separates a conflict when it is turned round, by its place in the line.
 fn swapped(line: &Line, conflict: &Conflict, waits: ConsideredWaits) -> Option<usize> {
+    separating(line, conflict, waits, |arrow| Some(round(arrow)))
+}
+
+/// The arrow for auto alone that separates a conflict when it is one for manual as well, by its place in the line.
+fn of_auto_alone(line: &Line, conflict: &Conflict) -> Option<usize> {
+    let in_both = |arrow: Arrow| (!arrow.manual).then_some(Arrow { manual: true, ..arrow });
+    separating(line, conflict, ConsideredWaits::InEveryMode, in_both)
+}
+
+/// The arrow between the stations of a conflict that separates it when it is changed so, by its place in the line.
+fn separating(
+    line: &Line,
+    conflict: &Conflict,
+    waits: ConsideredWaits,
+    change: impl Fn(Arrow) -> Option<Arrow>,
+) -> Option<usize> {
     let stations = [conflict.a.station, conflict.b.station];
     let joins = |arrow: &Arrow| [arrow.from.0, arrow.to.0].iter().all(|station| stations.contains(station));
     (0..line.arrows.len()).filter(|&at| joins(&line.arrows[at])).find(|&at| {
-        let mut turned = line.clone();
-        turned.arrows[at] = round(line.arrows[at]);
-        Lags::of(&turned).is_separated(conflict, waits)
+        let Some(changed) = change(line.arrows[at]) else { return false };
+        let mut with = line.clone();
+        with.arrows[at] = changed;
+        Lags::of(&with).is_separated(conflict, waits)
     })
 }
 
