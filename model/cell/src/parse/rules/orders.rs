@@ -81,7 +81,7 @@ pub(super) fn ordered(line: &Line, order: &DraftOrder<'_>) -> Option<(StationId,
 }
 
 /// An order of a station of another resource than those that take part in the activity: the order, and that resource.
-pub(super) fn misdirected<'o, 'a>(
+fn misdirected<'o, 'a>(
     draft: &'o DraftCell<'a>,
     activity: &'o DraftActivity<'a>,
 ) -> impl Iterator<Item = (&'o DraftOrder<'a>, &'o DraftResource<'a>)> {
@@ -94,7 +94,7 @@ pub(super) fn misdirected<'o, 'a>(
 }
 
 /// The resources that take part in an activity, and whose stations have no order in it.
-pub(super) fn without_order<'o, 'a>(
+fn without_order<'o, 'a>(
     draft: &'o DraftCell<'a>,
     activity: &'o DraftActivity<'a>,
 ) -> impl Iterator<Item = (&'o DraftResource<'a>, &'o str)> {
