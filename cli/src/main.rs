@@ -93,6 +93,8 @@ enum CliCommand {
     Recover(recover::Args),
     /// Cause or clear a fault of a simulated mechanism or device.
     Fail(can::FailArgs),
+    /// Take a part out of the simulated plant, or put one in, as a person does by hand.
+    Part(can::PartArgs),
     /// Submit, list, cancel or withdraw production orders of a running cell.
     Order(cell::OrderArgs),
     /// Show why a line, a part, a production order or a resource does not go on.
@@ -215,6 +217,7 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Recover(args) => asynchronous(async move { recover::run(args, &ros).await }),
         CliCommand::Press(args) => asynchronous(async move { operate::press(args, &ros).await }),
         CliCommand::Fail(args) => asynchronous(async move { can::fail(args, &ros).await }),
+        CliCommand::Part(args) => asynchronous(async move { can::part(args, &ros).await }),
         CliCommand::Order(args) => asynchronous(async move { cell::order(args, &ros).await }),
         CliCommand::Why(args) => asynchronous(async move { cell::why(args, &ros).await }),
         CliCommand::Answer(args) => asynchronous(async move { cell::answer(args, &ros).await }),

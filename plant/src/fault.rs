@@ -31,6 +31,13 @@ pub const PART_OF_INDEX: u16 = 0x5F06;
 /// Manufacturer object 5F07h:00 of a simulated device: number of injected faults that hold, also while the device is silent.
 pub const FAULTS_INDEX: u16 = 0x5F07;
 
+/// Manufacturer object 5F08h of a simulated I/O device: subindex n takes the part out of holder n − 1 of the line, by hand; the number is
+/// its position there, from 1. Subindex 0 reads as the outcome of the last that was written here or to 5F09h: 0 done, else the number
+/// of a [`PartRefusal`].
+pub const TAKE_INDEX: u16 = 0x5F08;
+/// Manufacturer object 5F09h of a simulated I/O device: the same, puts a part in.
+pub const PUT_INDEX: u16 = 0x5F09;
+
 /// Fault of one motion. Lasts until it is cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MotionFault {

@@ -14,6 +14,7 @@
 //! CAN.
 
 mod axis;
+mod by_hand;
 mod device;
 mod fault;
 mod mechanism;
@@ -24,15 +25,16 @@ mod rack;
 mod texts;
 mod wire;
 
+pub use by_hand::{PartByHand, PartRefusal, station_of};
 pub use device::{
     CanDevice, DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse,
     PlantEffect,
 };
 pub use fault::{
     CLEAR, DeviceFault, FAULT_INDEX, FAULTS_INDEX, FaultWrite, HOLD_INDEX, InputFault, MotionFault, ObjectWrites,
-    PART_OF_INDEX, PRESS_INDEX, SIMULATED, SIMULATED_INDEX, STUCK_INDEX, TROUBLE_INDEX,
+    PART_OF_INDEX, PRESS_INDEX, PUT_INDEX, SIMULATED, SIMULATED_INDEX, STUCK_INDEX, TAKE_INDEX, TROUBLE_INDEX,
 };
-pub use parts::{FallCause, NestPosition, PartFault, PartLocation, PartNo, PartRefusal};
+pub use parts::{FallCause, NestPosition, PartFault, PartLocation, PartNo};
 pub use plant::{Plant, PlantOptions};
 pub use positions::{AxisPosition, PartPosition, PositionsMisfit, PositionsWatch, RackPositions};
 pub use rack::Rack;

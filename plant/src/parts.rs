@@ -18,6 +18,7 @@ use std::collections::BTreeMap;
 
 use linewright_line::{Grip, HolderId, Line, MaterialFlow, Reach, Sign, Stand, StationId, Tick};
 
+use crate::by_hand::{PartByHand, PartRefusal};
 use crate::fault::MotionFault;
 use crate::positions::{PartPosition, PositionsMisfit, misfit};
 
@@ -85,18 +86,6 @@ pub enum FallCause {
     Shut(NestPosition),
     /// It was closed, and held nothing fast.
     NotHeld,
-}
-
-/// Why a part is not put there or taken away by hand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PartRefusal {
-    NoSuchSpot,
-    Occupied,
-    /// The clamp is closed, or a hand has the part.
-    Held,
-    /// The part is in the plant already.
-    Known,
-    Unknown,
 }
 
 /// View of the mechanisms that parts need.
@@ -264,6 +253,51 @@ impl PlantParts {
         Ok(at)
     }
 
+    /// The part that a person would put into a nest, or take out of a nest or a hand. A hand lets a part be pulled out; a closed clamp
+    /// does not.
+    ///
+    /// # Errors
+    /// Why it cannot be done.
+    pub(crate) fn offered(&self, what: PartByHand, at: NestPosition) -> Result<PartNo, PartRefusal> {
+        let holder = self.handling.holders.get(at.nest.index());
+        let holder =
+            holder.filter(|holder| (1..=holder.places).contains(&at.position)).ok_or(PartRefusal::NoSuchSpot)?;
+        let found = if holder.is_hand() { self.in_hand(at.nest) } else { self.at(at) };
+        match (what, found) {
+            (PartByHand::Put, _) if holder.is_hand() => Err(PartRefusal::NoSuchSpot),
+            (PartByHand::Put, Some(_)) => Err(PartRefusal::Occupied),
+            (PartByHand::Put, None) if self.closed[at.nest.index()] => Err(PartRefusal::Held),
+            (PartByHand::Put, None) => Ok(self.next_number()),
+            (PartByHand::Take, None) => Err(PartRefusal::Empty),
+            (PartByHand::Take, Some(part)) => {
+                let is_at = self.parts[&part];
+                let is_clamped = is_at.spot.is_some_and(|spot| self.closed[spot.nest.index()]);
+                let is_in_another = is_at.hand.is_some_and(|hand| hand != at.nest);
+                if is_clamped || is_in_another { Err(PartRefusal::Held) } else { Ok(part) }
+            }
+        }
+    }
+
+    /// Does that, and gives the part.
+    pub(crate) fn by_hand(
+        &mut self,
+        what: PartByHand,
+        at: NestPosition,
+        mechanisms: &impl Mechanisms,
+    ) -> Result<PartNo, PartRefusal> {
+        let part = self.offered(what, at)?;
+        match what {
+            PartByHand::Put => _ = self.parts.insert(part, PartLocation { spot: Some(at), hand: None }),
+            PartByHand::Take => _ = self.parts.remove(&part),
+        }
+        self.look(mechanisms);
+        Ok(part)
+    }
+
+    fn next_number(&self) -> PartNo {
+        PartNo(self.parts.keys().next_back().map_or(1, |part| part.0.saturating_add(1)))
+    }
+
     /// Does what follows from how the mechanisms stand now.
     pub(crate) fn settle(&mut self, now: Tick, mechanisms: &impl Mechanisms) {
         let was = std::mem::take(&mut self.closed);
@@ -388,8 +422,8 @@ impl PlantParts {
     fn grasp(&mut self, hand: HolderId) {
         let empty = self.reached_by(hand).filter(|&spot| self.is_looked_after(spot) && self.at(spot).is_none());
         if let Some(spot) = empty {
-            let next = self.parts.keys().next_back().map_or(1, |part| part.0.saturating_add(1));
-            self.parts.insert(PartNo(next), PartLocation { spot: Some(spot), hand: None });
+            let next = self.next_number();
+            self.parts.insert(next, PartLocation { spot: Some(spot), hand: None });
         }
         let part = self.reached_by(hand).and_then(|spot| self.at(spot));
         // A part in another hand is out of reach for this one.

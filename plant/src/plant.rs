@@ -7,9 +7,10 @@
 use linewright_line::{AxisId, Device, HolderId, InputId, Line, OpId, OutputId, Owner, Stand, StationId, Tick};
 use linewright_random::mix;
 
+use crate::by_hand::{PartByHand, PartRefusal};
 use crate::fault::MotionFault;
 use crate::mechanism::{Mechanism, Stroke};
-use crate::parts::{Mechanisms, NestPosition, PartFault, PartLocation, PartNo, PartRefusal, PlantParts};
+use crate::parts::{Mechanisms, NestPosition, PartFault, PartLocation, PartNo, PlantParts};
 use crate::positions::{AxisPosition, PartPosition, PositionsMisfit, misfit};
 
 /// Deviations of a plant from its description.
@@ -320,6 +321,22 @@ impl Plant {
         self.advance(now);
         let axes = Axes { now: self.now, stations: &self.stations, outputs: &self.outputs };
         self.parts.as_mut().map_or(Err(PartRefusal::Unknown), |parts| parts.take(part, &axes))
+    }
+
+    /// A person puts a new part into a nest, or takes out what is in a nest or in a hand, at `now`. A part can be pulled out of a closed
+    /// hand, and not out of a closed clamp; nothing is put into a hand.
+    ///
+    /// # Errors
+    /// Why it cannot be done.
+    pub fn by_hand(&mut self, now: Tick, what: PartByHand, at: NestPosition) -> Result<PartNo, PartRefusal> {
+        self.advance(now);
+        let axes = Axes { now: self.now, stations: &self.stations, outputs: &self.outputs };
+        self.parts.as_mut().map_or(Err(PartRefusal::NoSuchSpot), |parts| parts.by_hand(what, at, &axes))
+    }
+
+    /// Why a person cannot do that now, if so.
+    pub fn objection(&self, what: PartByHand, at: NestPosition) -> Option<PartRefusal> {
+        self.parts.as_ref().map_or(Some(PartRefusal::NoSuchSpot), |parts| parts.offered(what, at).err())
     }
 
     pub fn parts(&self) -> impl Iterator<Item = (PartNo, PartLocation)> + '_ {

@@ -11,6 +11,7 @@ use linewright_canopen::codec::Abort;
 use linewright_canopen::{Frame, NodeId};
 use linewright_line::{Device, DeviceBus, DeviceKind, Drive, DriveMode, Line, OutputId, Owner, StationId, Tick};
 
+use crate::by_hand::PartRefusal;
 use crate::device::{
     CanDevice, DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ILLEGAL_VALUE, ModbusNode, ModbusRequest,
     ModbusResponse, PlantEffect,
@@ -220,7 +221,7 @@ impl Rack {
         }
         let device = &self.slots[at].device;
         let effect = PlantEffect::of(object, value, device.input_bits().len(), device.output_bits().len())?;
-        if matches!(effect, PlantEffect::Stick { .. }) {
+        if matches!(effect, PlantEffect::Stick { .. } | PlantEffect::Part(..)) {
             return Err(Abort::NO_OBJECT);
         }
         self.perform(now, at, effect);
@@ -425,6 +426,12 @@ impl Rack {
             PlantEffect::Stick { output, value } => {
                 if let Some(node) = device.node_id().and_then(NodeId::new) {
                     self.stick(node, output, value);
+                }
+            }
+            PlantEffect::Part(what, place) => {
+                let outcome = self.plant.by_hand(now, what, place);
+                if let RackNode::Io(node) = &mut slot.node {
+                    node.part_outcome = outcome.err().map_or(0, PartRefusal::code);
                 }
             }
             PlantEffect::Disturb(faults) => slot.wire = FaultyWire::new(faults),

@@ -2,6 +2,7 @@
 
 use linewright_line::{Grip, HolderId, Line};
 
+use crate::by_hand::{PartByHand, PartRefusal};
 use crate::fault::{InputFault, MotionFault};
 use crate::parts::{FallCause, NestPosition, PartFault};
 use crate::plant::Plant;
@@ -64,6 +65,62 @@ impl MotionFault {
             MotionFault::Drop => &["It moves, but the gripper that it has closed holds nothing fast."],
         }
     }
+}
+
+impl PartByHand {
+    /// The word for it, in scenarios and for `linewright part`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            PartByHand::Take => "take",
+            PartByHand::Put => "put",
+        }
+    }
+
+    /// What is done, in words.
+    pub const fn about(self) -> &'static str {
+        match self {
+            PartByHand::Take => "The part there is taken out.",
+            PartByHand::Put => "A part is put in there.",
+        }
+    }
+
+    /// That it has been done at a place.
+    pub fn done(self, line: &Line, at: NestPosition) -> String {
+        let place = spot_name(line, at);
+        match self {
+            PartByHand::Take => format!("{place}: the part is taken out"),
+            PartByHand::Put => format!("{place}: a part is put in"),
+        }
+    }
+}
+
+impl PartRefusal {
+    /// Why it cannot be done at a place, and what would make it possible.
+    pub fn text(self, line: &Line, at: NestPosition) -> String {
+        let (place, holder) = (spot_name(line, at), line.handling.holder(at.nest));
+        match self {
+            PartRefusal::NoSuchSpot if holder.is_hand() => {
+                format!("nothing is put into gripper {place}: put the part where it grips it")
+            }
+            PartRefusal::NoSuchSpot => {
+                format!("`{}` has no position {}: it has {}", holder.name, at.position, places(holder.places))
+            }
+            PartRefusal::Occupied => format!("{place} has a part already"),
+            PartRefusal::Held => match holder.grip {
+                Grip::Clamp(_) => format!("{place} is closed: open it first, in manual at its panel or in hand mode"),
+                Grip::Hand(_) | Grip::Loose => {
+                    format!("a gripper or a closed clamp holds the part of {place}: open that first")
+                }
+            },
+            PartRefusal::Known => "the part is there already".to_owned(),
+            PartRefusal::Unknown => "there is no such part".to_owned(),
+            PartRefusal::Empty => format!("{place} has no part"),
+        }
+    }
+}
+
+fn places(count: u16) -> String {
+    if count == 1 { "one place".to_owned() } else { format!("positions 1 to {count}") }
 }
 
 impl PartFault {

@@ -28,8 +28,8 @@ fn boxed<D: CanDevice + 'static>(device: impl FnOnce(Tick, NodeId) -> D) -> Alon
 fn pairs() -> [(Eds, Alone<AnyDevice>, usize); 3] {
     let drive = |now, node| DriveNode::new(now, node, &described_drive(AtRest::Off, false), 0.0, &Timing::default());
     [
-        (eds("linewright-io.eds"), boxed(io), 81),
-        (eds("linewright-analogue.eds"), boxed(|now, node| io(now, node).with_channels(&channels())), 198),
+        (eds("linewright-io.eds"), boxed(io), 82),
+        (eds("linewright-analogue.eds"), boxed(|now, node| io(now, node).with_channels(&channels())), 199),
         (eds("linewright-drive.eds"), boxed(drive), 76),
     ]
 }

@@ -2,7 +2,7 @@
 
 use linewright_line::{DeviceBus, HolderId, Line, OutputId, Owner, StationId, Tick, parse};
 use linewright_plant::{
-    FallCause, MotionFault, NestPosition, PartFault, PartLocation, PartNo, PartRefusal, Plant, PlantOptions,
+    FallCause, MotionFault, NestPosition, PartByHand, PartFault, PartLocation, PartNo, PartRefusal, Plant, PlantOptions,
 };
 use proptest::prelude::*;
 
@@ -293,6 +293,34 @@ fn people_put_parts_where_there_is_room_and_take_those_that_nothing_holds() {
     assert_eq!(shop.plant.take(shop.now, PART), Err(PartRefusal::Held));
     shop.robot(&["Y_open"]);
     assert_eq!(shop.plant.take(shop.now, PART), Ok(PartLocation { spot: Some(slot), hand: None }));
+    assert_eq!(shop.plant.parts().count(), 0);
+}
+
+/// By its place alone, as a person does: out of a store, out of a closed hand, not out of a closed clamp.
+#[test]
+fn a_part_is_taken_out_and_put_in_by_its_place() {
+    use PartByHand::{Put, Take};
+    let mut shop = Shop::new();
+    let (slot, clamp) = (shop.slot(3), shop.clamp());
+    let hand = NestPosition { nest: shop.holder("robot.hand"), position: 1 };
+    let by_hand = |shop: &mut Shop, what, at| {
+        let objection = shop.plant.objection(what, at);
+        let done = shop.plant.by_hand(shop.now, what, at);
+        assert_eq!(objection, done.err());
+        done.err()
+    };
+    assert_eq!(by_hand(&mut shop, Take, slot), Some(PartRefusal::Empty));
+    assert_eq!(by_hand(&mut shop, Put, NestPosition { position: 7, ..slot }), Some(PartRefusal::NoSuchSpot));
+    assert_eq!(by_hand(&mut shop, Put, hand), Some(PartRefusal::NoSuchSpot));
+    assert_eq!((by_hand(&mut shop, Put, slot), by_hand(&mut shop, Put, slot)), (None, Some(PartRefusal::Occupied)));
+    shop.pick();
+    assert_eq!(by_hand(&mut shop, Take, slot), Some(PartRefusal::Held), "the hand has it");
+    assert_eq!((by_hand(&mut shop, Take, hand), by_hand(&mut shop, Take, hand)), (None, Some(PartRefusal::Empty)));
+    assert_eq!(by_hand(&mut shop, Put, clamp), None);
+    shop.drive(M1, &["Y_close"], 1000);
+    assert_eq!(by_hand(&mut shop, Take, clamp), Some(PartRefusal::Held));
+    shop.drive(M1, &["Y_open"], 1000);
+    assert_eq!(by_hand(&mut shop, Take, clamp), None);
     assert_eq!(shop.plant.parts().count(), 0);
 }
 

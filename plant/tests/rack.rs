@@ -3,11 +3,12 @@
 use linewright_canopen::NodeId;
 use linewright_canopen::sdo::Abort;
 use linewright_line::{AxisId, DeviceBus, StationId, Tick, parse};
-use linewright_plant::{PlantOptions, Rack};
+use linewright_plant::{NestPosition, PartByHand, PartRefusal, PlantOptions, Rack};
 
 use crate::alone::{Alone, refused};
 use linewright_testkit::presses::line;
 
+const PARTS: &str = include_str!("../../model/line/tests/descriptions/task_driven.toml");
 const DRIVES: &str = include_str!("../../model/line/tests/descriptions/drives.toml");
 
 /// Press 2, by itself on its bus.
@@ -81,6 +82,29 @@ fn faults_and_fingers_come_over_the_bus() {
     bench.hear("604#2F005F0000000000");
     bench.pass(200);
     assert!(bench.take().contains(&"184#01".to_owned()));
+}
+
+/// Parts of the plant, taken out and put in by an object of a device of its bus.
+#[test]
+fn parts_are_taken_and_put_over_the_bus() {
+    let line = parse("task_driven.toml", PARTS).expect("it is sound").line;
+    let rack = |now, _| Rack::new(now, &line, &DeviceBus::Line, PlantOptions::default());
+    let mut bench = Alone::booted(3, rack);
+    let store = line.handling.holder_named("ST").expect("it is there");
+    let place = |position| NestPosition { nest: store, position };
+    let mut done = |what: PartByHand, position: u16| {
+        let ((index, sub), value) = what.order(place(position)).expect("it has an object");
+        bench.write(&format!("{index:04X}:{sub}"), &value.to_le_bytes()).expect("it is taken");
+        let outcome = bench.read("5F08").expect("it answers");
+        let has = bench.device.plant().part_at(place(2)).is_some();
+        (PartRefusal::from_code(outcome[0]), has)
+    };
+    assert_eq!(done(PartByHand::Take, 2), (Some(PartRefusal::Empty), false));
+    assert_eq!(done(PartByHand::Put, 2), (None, true));
+    assert_eq!(done(PartByHand::Put, 2), (Some(PartRefusal::Occupied), true));
+    assert_eq!(done(PartByHand::Put, 7), (Some(PartRefusal::NoSuchSpot), true));
+    assert_eq!(done(PartByHand::Take, 2), (None, false));
+    assert!(PartRefusal::ALL.iter().all(|why| PartRefusal::from_code(why.code()) == Some(*why)));
 }
 
 /// So a command for another line writes nothing to it, and one that clears nothing says so. A silent device answers it too.

@@ -63,7 +63,13 @@ impl Need {
             }
             Need::Answer(alarm) => {
                 let answers = alarm.answers.iter().map(ListedAnswer::text).collect::<Vec<_>>().join(" or ");
-                format!("alarm {}: {} Then answer what you find at the machine: {answers}", alarm.id, alarm.text)
+                let first = match alarm.answers.iter().all(ListedAnswer::is_contradicted) && !alarm.answers.is_empty() {
+                    true => {
+                        "No answer agrees with the sensors: see where the part is, and put it or the sensor right. "
+                    }
+                    false => "",
+                };
+                format!("alarm {}: {} {first}Then answer what you find at the machine: {answers}", alarm.id, alarm.text)
             }
             Need::Other(text) => text.clone(),
         }
@@ -204,14 +210,15 @@ impl RecoveryStep {
     }
 
     /// The commands of `linewright` for it, as arguments with `LINE` for the line. Of several one is given, by what is so at the
-    /// machine; none for what no command does.
+    /// machine; none for what no command does. An answer that sensors contradict would not be taken, and has none.
     pub fn commands(&self, line: &Line) -> Vec<Vec<String>> {
         let name = |id: StationId| line.station(id).name.clone();
         let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
         let one = match &self.action {
             RecoveryAction::First(Need::Answer(alarm)) => {
                 let id = alarm.id.to_string();
-                return alarm.answers.iter().map(|of| words(&["answer", "LINE", &id, &of.word])).collect();
+                let taken = alarm.answers.iter().filter(|of| !of.is_contradicted());
+                return taken.map(|of| words(&["answer", "LINE", &id, &of.word])).collect();
             }
             RecoveryAction::First(Need::Reset(station)) => words(&["resource", "LINE", &name(*station), "reset"]),
             RecoveryAction::First(_) => return Vec::new(),

@@ -1,6 +1,6 @@
 //! Alarms of a cell in a plan: what they ask to be led is led, and they are answered.
 
-use linewright_coordinator_cell::texts::ListedAnswer;
+use linewright_coordinator_cell::texts::{AnswerFit, AnswerRemark, ListedAnswer};
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{InputId, Line, OpId, StationId, Tick};
@@ -193,6 +193,38 @@ fn an_alarm_in_auto_is_a_step() {
         "{texts:#?}"
     );
     assert!(found.has_alarms());
+}
+
+/// What sensors contradict would not be taken. Where that is so of every answer, something has to be put right first.
+#[test]
+fn an_answer_that_sensors_contradict_is_no_command() {
+    let (line, mut seen) = two_are_left_out(ControlMode::Auto);
+    for report in seen.stations.iter_mut().flatten() {
+        (report.at_home, report.position_lost) = (true, None);
+        report.incomplete.clear();
+    }
+    let listed = |seen: &LineSituation| {
+        let found = plan(&line, seen);
+        let [step] = &found.steps[..] else { panic!("{:#?}", found.steps) };
+        (step.text(&line), step.commands(&line))
+    };
+    let contradicted = |answer: &mut ListedAnswer| {
+        let (fit, why) = (AnswerFit::Contradicts, "M1: part expected, sensor off".to_owned());
+        answer.remark = Some(AnswerRemark { fit, why });
+    };
+    seen.alarms = vec![alarm(&[], &[])];
+    let (before, commands) = listed(&seen);
+    assert_eq!(commands.len(), 2);
+    contradicted(&mut seen.alarms[0].answers[0]);
+    let (text, commands) = listed(&seen);
+    assert!(
+        text.contains("contradicts the sensors: M1: part expected") && !text.contains("No answer agrees"),
+        "{text}"
+    );
+    assert_eq!(commands, [["answer", "LINE", &seen.alarms[0].id.to_string(), "gone"]], "{before}");
+    contradicted(&mut seen.alarms[0].answers[1]);
+    let (text, commands) = listed(&seen);
+    assert!(commands.is_empty() && text.contains("No answer agrees with the sensors: see where the part is"), "{text}");
 }
 
 /// Its answers say that a station is not received, and what to do where it stays away.

@@ -7,7 +7,7 @@
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, OpId, Owner, StationId, Tick};
-use linewright_plant::{MotionFault, Rack};
+use linewright_plant::{MotionFault, NestPosition, PartByHand, Rack};
 use linewright_station_logic::{ModeOrder, PanelCommand};
 
 use crate::error::StartError;
@@ -58,6 +58,8 @@ pub enum OperatorAction {
     Fail((StationId, OpId), MotionSelection, Option<MotionFault>),
     /// An input of a station, or of the console (`None`), is held on or off, or released.
     Force(Option<StationId>, InputId, Option<bool>),
+    /// A part is taken out of a place, or put in.
+    Part(PartByHand, NestPosition),
     /// A device, by its place in the description, is unplugged (`true`) or plugged in.
     Device(usize, bool),
     /// A process dies.
@@ -134,6 +136,11 @@ impl LineSim {
                 let at = owner.map_or(self.coordinator_node(), StationId::index);
                 self.field.force(now, at, input, value);
                 self.wake_devices_of(at);
+            }
+            OperatorAction::Part(what, place) => {
+                let at = linewright_plant::station_of(&self.line, place.nest).map_or(0, StationId::index);
+                self.field.by_hand(now, at, what, place);
+                (0..self.stations.len()).for_each(|at| self.wake_devices_of(at));
             }
             OperatorAction::Device(device, unplugged) => {
                 if let Some(at) = self.field.unplug(&self.line, now, device, unplugged) {
@@ -221,6 +228,11 @@ impl LineSim {
                 line.devices[device].name,
                 if unplugged { "lost already" } else { "not lost" }
             )),
+            OperatorAction::Part(what, place) => {
+                let station = linewright_plant::station_of(line, place.nest).unwrap_or(StationId(0));
+                let why = self.field.plant_of(station).objection(what, place)?;
+                Some(why.text(line, place))
+            }
             OperatorAction::Kill(process) if !is_up(process) => Some(format!("{} is down already", process.name(line))),
             OperatorAction::Restart(process) | OperatorAction::RestartEmpty(process) if is_up(process) => {
                 Some(format!("{} is up", process.name(line)))
@@ -287,6 +299,7 @@ impl OperatorAction {
                 };
                 format!("{who}: {} {how}", inputs[input.index()])
             }
+            OperatorAction::Part(what, place) => what.done(line, place),
             OperatorAction::Device(device, unplugged) => {
                 format!("{} {}", line.devices[device].name, if unplugged { "lost" } else { "back" })
             }

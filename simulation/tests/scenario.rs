@@ -135,6 +135,30 @@ motion = "recovery"
     assert_eq!(problems("cycles = -1\n"), ["1:10: `cycles` is -1 (between 0 and 10000000)"]);
 }
 
+/// By images and over frames.
+#[test]
+fn a_person_puts_a_part_in_and_takes_it_out() {
+    let text = include_str!("../../model/line/tests/descriptions/task_driven.toml");
+    let line = linewright_line::parse("task_driven.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+    let steps = |steps: &[&str]| steps.iter().map(|step| format!("[[step]]\n{step}\n")).collect::<String>();
+    for frames in [false, true] {
+        let failed = |wanted: &[&str]| match play_line(&line, &steps(wanted), SimOptions { frames, ..logged() }) {
+            (_, RunEnd::Failed { step: Some(step), why }) => (step, why),
+            (sim, end) => panic!("{end:?}: {}", sim.log().tail(sim.line(), 20)),
+        };
+        let [put, take] = ["put = \"ST: 2\"", "take = \"ST: 2\""];
+        assert_eq!(failed(&[put, put]), (1, "position 2 of `ST` has a part already".to_owned()));
+        assert_eq!(failed(&[put, take, take]), (2, "position 2 of `ST` has no part".to_owned()));
+        assert_eq!(failed(&["put = \"m1.clamp\"", "put = \"ST: 9\""]).0, 1);
+    }
+    let problems = |text: &str| {
+        let found = Scenario::parse(&line, "test.toml", text).expect_err("it is wrong");
+        found.iter().map(|problem| problem.message.clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(problems(&steps(&["take = \"m1.clmp\""])), ["unknown place for parts `m1.clmp`"]);
+    assert_eq!(problems(&steps(&["take = \"ST: x\""])), ["`x` is no position"]);
+}
+
 #[test]
 fn a_step_that_changes_nothing_fails() {
     for (step, expected) in [

@@ -106,7 +106,7 @@ fn effect(line: &Line, device: &Device, what: InjectedFault) -> Option<String> {
 }
 
 /// Names as they are read apart, whatever is in them.
-fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {
+pub(super) fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {
     names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
@@ -252,13 +252,16 @@ fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
 }
 
 #[cfg(test)]
+pub(super) const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/line.toml");
+
+#[cfg(test)]
 mod tests {
     use linewright_line::{Operation, OperationModule};
     use linewright_plant::PRESS_INDEX;
 
     use super::*;
 
-    pub const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/line.toml");
+    pub(in crate::can) use super::C1;
     const DRIVES: &str = include_str!("../../../model/line/tests/descriptions/drives.toml");
 
     pub fn args(station: &str, what: InjectedFault) -> FailArgs {

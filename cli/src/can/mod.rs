@@ -1,4 +1,4 @@
-//! The commands on a CAN bus: `can …`, `fail` and `candump`.
+//! The commands on a CAN bus: `can …`, `fail`, `part` and `candump`.
 //!
 //! On a kernel with CAN the stock tools do some of this as well, and work beside it; these work on the virtual bus too,
 //! and use CANopen and the line's description. None of them is a manager: a manager's orders meanwhile stand.
@@ -7,6 +7,7 @@ mod fail;
 mod injected;
 mod log;
 mod nmt;
+mod part;
 mod scan;
 mod sdo;
 mod simulated;
@@ -29,6 +30,7 @@ use crate::nodes::DEFAULT_BUS;
 
 pub use fail::{FailArgs, fail};
 pub use log::{DumpArgs, dump};
+pub use part::{PartArgs, part};
 
 /// What keeps a command from another line's bus.
 const SEPARATE_LINES: &str = "is this line running? --bus names its bus, as at its start. Lines on one machine have buses of their own if \

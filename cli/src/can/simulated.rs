@@ -6,7 +6,7 @@ use linewright_fieldbus::sdo_client::{self, SdoError};
 use linewright_fieldbus::{Bus, find_bus};
 use linewright_line::{Device, DeviceBus as BusName, Line, Modbus};
 use linewright_node_shell::RosArgs;
-use linewright_plant::{FAULTS_INDEX, PART_OF_INDEX, SIMULATED, SIMULATED_INDEX};
+use linewright_plant::{FAULTS_INDEX, PART_OF_INDEX, SIMULATED, SIMULATED_INDEX, TAKE_INDEX};
 use linewright_racks::Served;
 use miette::{IntoDiagnostic, miette};
 
@@ -110,6 +110,15 @@ impl<'d> SimulatedDevice<'d> {
                 count.map_err(|error| miette!("{error}"))
             }
         }
+    }
+
+    /// Outcome of the last part that was taken out or put in by it: 0, or the number of a refusal.
+    pub async fn part_outcome(&mut self, device: &Device) -> miette::Result<u8> {
+        let SimulatedDevice::Canopen(bus, node) = self else { return Ok(0) };
+        let read = sdo_client::read(bus, *node, ObjectId::new(TAKE_INDEX, 0), segments()).await;
+        let bytes = read.map_err(|error| miette!("{error} on {}", bus.describe()))?;
+        let outcome = <[u8; 1]>::try_from(bytes).map(|[code]| code);
+        outcome.map_err(|_| miette!("{} does not say what became of it; is it of another version?", device.name))
     }
 
     /// Writes a number to one of its objects.

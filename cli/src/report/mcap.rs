@@ -175,6 +175,8 @@ fn resources(story: &ReportSource, to: &mut Recording) -> Result<(), McapError> 
                 // An activity that begins and ends at one moment is not shown.
                 SpanEdge::Begins if done.ended == Some(at) => (),
                 SpanEdge::Begins => going_on.push((done, done.failed.as_ref().is_some_and(|failed| failed.at <= at))),
+                // A store works on for other parts.
+                SpanEdge::Fails if of.stores() => going_on.retain(|(of, _)| of.firing != done.firing),
                 SpanEdge::Fails => {
                     going_on.iter_mut().filter(|(of, _)| of.firing == done.firing).for_each(|of| of.1 = true);
                 }

@@ -12,6 +12,8 @@ pub enum AutoStep {
     InAuto,
     /// Somebody else has changed the mode: no command is given any more.
     HandsOver,
+    /// The coordinator was started again, and with it the mode: no command is given any more.
+    Restarted,
 }
 
 /// How far the line has come.
@@ -27,6 +29,8 @@ enum Reached {
 pub struct AutoOnce {
     reached: Reached,
     is_handed_over: bool,
+    /// Life of the coordinator that was received first.
+    boot_id: Option<u64>,
 }
 
 impl AutoOnce {
@@ -48,6 +52,10 @@ impl AutoOnce {
         }
         if self.is_handed_over {
             return AutoStep::Wait;
+        }
+        if *self.boot_id.get_or_insert(line.boot_id) != line.boot_id {
+            self.is_handed_over = true;
+            return AutoStep::Restarted;
         }
         let now = match line.mode {
             StationState::MODE_AUTO => Reached::Auto,
@@ -88,6 +96,16 @@ mod tests {
         assert_eq!(way.next(&auto, true), AutoStep::Wait);
         assert_eq!(way.next(&stand_by, true), AutoStep::Give("auto"));
         assert_eq!(way.next(&LineState { enabled: true, ..auto }, true), AutoStep::InAuto);
+    }
+
+    /// A new life of the coordinator begins at home: nobody has led the line there. Nothing that was under way before is followed by auto.
+    #[test]
+    fn a_coordinator_that_is_started_again_is_given_nothing() {
+        let stand_by = state(StationState::MODE_STANDBY);
+        let mut way = AutoOnce::default();
+        assert_eq!(way.next(&stand_by, true), AutoStep::Give("auto"));
+        let again = LineState { boot_id: 2, ..state(StationState::MODE_HOME) };
+        assert_eq!((way.next(&again, true), way.next(&again, true)), (AutoStep::Restarted, AutoStep::Wait));
     }
 
     #[test]

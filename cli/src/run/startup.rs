@@ -97,6 +97,11 @@ impl Session {
                 self.progress.since = Instant::now();
                 self.phase = RunPhase::Running;
             }
+            AutoStep::Restarted => self.note(format!(
+                "the coordinator was started again before auto was in force, and is now in {}: give start and auto when \
+                 everything is in order",
+                state.text
+            )),
             AutoStep::HandsOver => {
                 self.note(format!(
                     "not in auto yet, and now {}: another has changed the mode, who gives auto then",

@@ -205,11 +205,14 @@ fn alarms() -> Vec<AlarmText<'static>> {
         AlarmText::OnlyDone => AlarmText::OnlyDone;
         AlarmText::OnlyBefore => AlarmText::OnlyBefore;
         AlarmText::WrongRest { .. } => wrong_rest(false), wrong_rest(true);
+        AlarmText::OtherRest { .. } =>
+            AlarmText::OtherRest { station: "m1", stands: "clamped", wanted: "open", bring: "Bring m1 to \"open\": …." };
         AlarmText::Bring { .. } => bring(Some(("PB_clear_1", "clear", false)), None),
             bring(Some(("PB_load_1", "clamp", true)), None),
             bring(Some(("PB_unload_1", "release", true)), Some(("PB_back_1", "clamp"))),
             bring(None, Some(("PB_back_1", "clamp"))), bring(None, None);
-        AlarmText::Facts { .. } => AlarmText::Facts { activity, cause: "m1: time limit exceeded", seconds: 26.0 };
+        AlarmText::Facts { .. } => AlarmText::Facts { activity: Some(activity), cause: "m1: time limit exceeded", seconds: 26.0 },
+            AlarmText::Facts { activity: None, cause: "m1: time limit exceeded", seconds: 26.0 };
         AlarmText::Contradicted { .. } => AlarmText::Contradicted { word: "in-machine", found };
         AlarmText::Moved { .. } => AlarmText::Moved { station: "robot", word: "as-before" };
         AlarmText::LedByHand { .. } => AlarmText::LedByHand { station: "robot", word: "as-before" };

@@ -110,6 +110,19 @@ fn a_time_that_is_left_out_is_compared_with_patience_and_the_limits_of_tasks() {
     of("`load M1` takes 58 s by the operations of its tasks, but task `clamp` has `limit_s = 20`");
 }
 
+/// Of a machine the time stands with a step of a part, far from the order.
+#[test]
+fn a_limit_that_is_too_short_shows_the_time_that_is_longer() {
+    let order = "orders = [{ station = \"m1\", task = \"machine\", parameters = { program = \"step.program\" } }]";
+    let short = order.replace("program\" } }", "program\" }, max_s = 30 }");
+    let text = edited(C1, &[(order, &short)]);
+    let found = problems(&text, None);
+    let [problem] = &found[..] else { panic!("{found:#?}") };
+    assert_eq!((problem.message.as_str(), &text[problem.span.clone()]), ("`max_s` is 30 s", "30"));
+    let also: Vec<&str> = problem.also.iter().map(|(at, _)| &text[at.clone()]).collect();
+    assert_eq!(also, ["40"], "{problem:#?}");
+}
+
 /// A task is added, and reaches where others do that a conflict keeps apart from what the machine does.
 #[test]
 fn a_task_that_reaches_where_others_are_kept_apart_is_reported() {
@@ -157,8 +170,11 @@ fn a_handshake_that_never_completes_is_reported() {
     const LETS_GO: (&str, &str) = ("waits = [\"m1_clamped\"]", "waits = [\"m1_open\"]");
     const CARRIES_AWAY: (&str, &str) = ("waits = [\"m1_open\"]", "waits = [\"m1_clamped\"]");
     const COMES: (&str, &str) = ("waits = [\"m1_ready\"]", "waits = [\"m1_clamped\"]");
+    const CLAMPS: (&str, &str) = ("waits = [\"part_present\"]\nwaits_code = 12\n", "");
+    const OPENS: (&str, &str) = ("waits = [\"part_present\"]\nwaits_code = 13\n", "");
+    const SEEN_AT_CLAMP: &str = "when = [{ part = \"robot.hand\" }, { axis = \"robot.arm\", at = 200 }]";
     let seen_open = "when = [{ axis = \"robot.gripper\", at = 0 }]";
-    let let_go_first = ("when = [{ part = \"robot.hand\" }, { axis = \"robot.arm\", at = 200 }]", seen_open);
+    let let_go_first = (SEEN_AT_CLAMP, seen_open);
     let reported: String = [
         ("lets go of what is not clamped", LETS_GO),
         ("carries away what is clamped", CARRIES_AWAY),
@@ -168,6 +184,12 @@ fn a_handshake_that_never_completes_is_reported() {
         ("lets go without waiting", ("waits = [\"m1_clamped\"]\nwaits_code = 22\n", "")),
         ("lets go when another machine holds its part", ("waits = [\"m1_clamped\"]", "waits = [\"m2_clamped\"]")),
         ("carries away without waiting", ("waits = [\"m1_open\"]\nwaits_code = 23\n", "")),
+        ("clamps without waiting", CLAMPS),
+        (
+            "clamps as soon as the hand has a part, wherever that is",
+            (SEEN_AT_CLAMP, "when = [{ part = \"robot.hand\" }]"),
+        ),
+        ("opens without waiting", OPENS),
     ]
     .into_iter()
     .map(|(title, edit)| {

@@ -30,7 +30,9 @@ use linewright_canopen::Frame;
 use linewright_canopen::codec::{CanopenMessage, NmtState, NodeId, Payload};
 use linewright_line::{Analogue, Tick, Timing};
 
+use crate::by_hand::PartByHand;
 use crate::fault::{DeviceFault, HeldFaults, MotionFault};
+use crate::parts::NestPosition;
 use crate::wire::FrameFaults;
 use channels::SimulatedChannels;
 use comm::{Comm, CommChange};
@@ -87,6 +89,8 @@ pub enum PlantEffect {
         /// The value; `None` lets go.
         value: Option<bool>,
     },
+    /// A person takes a part out of a place, or puts one in.
+    Part(PartByHand, NestPosition),
     /// The line to the device is to be this bad.
     Disturb(FrameFaults),
     /// Every fault, and every held input and output of this device is to be cleared.
@@ -121,6 +125,8 @@ pub struct DeviceNode {
     channels: SimulatedChannels,
     /// Faults of what it moves and reads.
     held: HeldFaults,
+    /// Outcome of the last part that a person has taken out or put in by it, object 5F08h:00.
+    pub(crate) part_outcome: u8,
 }
 
 impl DeviceNode {
@@ -142,6 +148,7 @@ impl DeviceNode {
             next_inputs: Tick::NEVER,
             channels: SimulatedChannels::new(node, &Analogue::default()),
             held: HeldFaults::default(),
+            part_outcome: 0,
         }
     }
 

@@ -5,13 +5,17 @@
 
 use linewright_canopen::codec::{Abort, Payload};
 use linewright_canopen::sdo::ObjectId;
-use linewright_line::Tick;
+use linewright_line::{HolderId, Tick};
 
 use super::bytes::number;
 use super::comm::Comm;
 use super::serve::ObjectServer;
 use super::{CanDevice, DeviceNode, DeviceOutbox, PlantEffect, identity};
-use crate::fault::{DeviceFault, FAULT_INDEX, HOLD_INDEX, HeldFaults, MotionFault, PRESS_INDEX, STUCK_INDEX};
+use crate::by_hand::PartByHand;
+use crate::fault::{
+    DeviceFault, FAULT_INDEX, HOLD_INDEX, HeldFaults, MotionFault, PRESS_INDEX, PUT_INDEX, STUCK_INDEX, TAKE_INDEX,
+};
+use crate::parts::NestPosition;
 
 /// Device profile 401 with digital inputs and outputs (CiA 401, object 1000h).
 const DEVICE_TYPE: u32 = 0x0003_0191;
@@ -39,7 +43,8 @@ impl ObjectServer for DeviceNode {
             (0x6000, sub) => read_bits(self.inputs, self.input_count, sub),
             (0x6200, sub) => read_bits(self.outputs, self.output_count, sub),
             (HOLD_INDEX, _) if self.channels.measures() => Err(Abort::WRITE_ONLY),
-            (FAULT_INDEX | PRESS_INDEX | STUCK_INDEX, _) => Err(Abort::WRITE_ONLY),
+            (TAKE_INDEX, 0) => Ok(vec![self.part_outcome]),
+            (FAULT_INDEX | PRESS_INDEX | STUCK_INDEX | TAKE_INDEX | PUT_INDEX, _) => Err(Abort::WRITE_ONLY),
             (0x1000 | 0x1001, _) => Err(Abort::NO_SUBINDEX),
             _ => Err(Abort::NO_OBJECT),
         }
@@ -82,7 +87,7 @@ impl ObjectServer for DeviceNode {
                 self.inject(now, fault);
                 Ok(())
             }
-            (FAULT_INDEX | PRESS_INDEX | STUCK_INDEX, _) => {
+            (FAULT_INDEX | PRESS_INDEX | STUCK_INDEX | TAKE_INDEX | PUT_INDEX, _) => {
                 let place = (object.index, object.sub);
                 let value = number(data)?;
                 out.orders.push(PlantEffect::of(place, value, self.input_count, self.output_count)?);
@@ -97,7 +102,7 @@ impl ObjectServer for DeviceNode {
 
 impl PlantEffect {
     /// What a number means for one bit of a device with so many inputs and outputs: in 5F00h (but for subindex 0, which is the
-    /// device itself), 5F01h and 5F03h.
+    /// device itself), 5F01h, 5F03h, 5F08h and 5F09h.
     pub fn of((index, sub): (u16, u8), value: u32, inputs: usize, outputs: usize) -> Result<Self, Abort> {
         match index {
             FAULT_INDEX => {
@@ -106,6 +111,12 @@ impl PlantEffect {
             }
             PRESS_INDEX => Ok(PlantEffect::Press { input: bit_of(sub, inputs)?, value: held(value)? }),
             STUCK_INDEX => Ok(PlantEffect::Stick { output: bit_of(sub, outputs)?, value: held(value)? }),
+            TAKE_INDEX | PUT_INDEX => {
+                let nest = HolderId::at(usize::from(sub.checked_sub(1).ok_or(Abort::NO_SUBINDEX)?));
+                let position = u16::try_from(value).map_err(|_| Abort::VALUE)?;
+                let what = if index == TAKE_INDEX { PartByHand::Take } else { PartByHand::Put };
+                Ok(PlantEffect::Part(what, NestPosition { nest, position }))
+            }
             _ => Err(Abort::NO_OBJECT),
         }
     }

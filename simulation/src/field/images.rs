@@ -6,7 +6,7 @@
 //! the plant crate), without the frames.
 
 use linewright_line::{Device, DeviceBus, InputId, Line, OpId, Owner, StationId, Tick};
-use linewright_plant::{MotionFault, Plant, PlantOptions};
+use linewright_plant::{MotionFault, NestPosition, PartByHand, Plant, PlantOptions};
 
 struct ImageSlot {
     device: usize,
@@ -213,6 +213,10 @@ impl Images {
         } else {
             self.plant.inject_recovery(now, station, op, fault);
         }
+    }
+
+    pub(crate) fn by_hand(&mut self, now: Tick, what: PartByHand, place: NestPosition) {
+        _ = self.plant.by_hand(now, what, place);
     }
 
     pub(crate) fn force(&mut self, now: Tick, at: usize, input: InputId, value: Option<bool>) {

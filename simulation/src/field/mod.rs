@@ -8,7 +8,7 @@ mod frames;
 mod images;
 
 use linewright_line::{AxisId, InputId, Line, OpId, OperationModule, Owner, StationId, Tick};
-use linewright_plant::{MotionFault, Plant, PlantOptions};
+use linewright_plant::{MotionFault, NestPosition, PartByHand, Plant, PlantOptions};
 
 use crate::error::StartError;
 
@@ -107,6 +107,18 @@ impl SimulatedField {
         match self {
             SimulatedField::Images(images) => images.force(now, at, input, value),
             SimulatedField::Frames(frames) => frames.force(now, at, input, value),
+        }
+    }
+
+    /// A person takes a part out of the plant of a station, or puts one in. What cannot be done is left.
+    pub(crate) fn by_hand(&mut self, now: Tick, at: usize, what: PartByHand, place: NestPosition) {
+        match self {
+            SimulatedField::Images(images) => images.by_hand(now, what, place),
+            SimulatedField::Frames(frames) => {
+                frames.disturb(now, Owner::Station(StationId::at(at)), |rack| {
+                    _ = rack.plant_mut().by_hand(now, what, place)
+                });
+            }
         }
     }
 

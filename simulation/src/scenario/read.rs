@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::{BUTTONS_MAX, Line, OperationModule, Tick};
-use linewright_plant::InputFault;
+use linewright_plant::{InputFault, PartByHand};
 
 use linewright_text::{Fields, Located, Problem, Report, TextRange};
 
@@ -169,6 +169,12 @@ impl Deeds {
             let (at, value) = (word.at.clone(), Some(fault.value()));
             let input = vocabulary::input(line, &word, report);
             self.add(at, input.map(|(owner, input)| ScriptAction::Act(OperatorAction::Force(owner, input, value))));
+        }
+        for what in PartByHand::ALL {
+            let Some(word) = fields.text(report, what.name()) else { continue };
+            let at = word.at.clone();
+            let place = vocabulary::place(line, &word, report);
+            self.add(at, place.map(|place| ScriptAction::Act(OperatorAction::Part(what, place))));
         }
         for (key, lost) in [("device_lost", true), ("device_back", false)] {
             let Some(word) = fields.text(report, key) else { continue };

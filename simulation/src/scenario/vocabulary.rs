@@ -5,7 +5,8 @@
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
-use linewright_line::{InputId, Line, OpId, StationId};
+use linewright_line::{HolderId, InputId, Line, OpId, StationId};
+use linewright_plant::NestPosition;
 use linewright_text::{LocatedName, Problem, Report, TextRange, suggestion};
 
 use crate::condition::{Compare, OperationCondition, ScenarioCondition, StationCondition};
@@ -112,6 +113,22 @@ pub(super) fn known_input(line: &Line, name: &LocatedName) -> Option<(Option<Sta
         return None;
     }
     input(line, name, &mut unread)
+}
+
+/// A place of parts: the name of a holder, and behind a colon the position where it has several.
+pub(super) fn place(line: &Line, name: &LocatedName, report: &mut Report) -> Option<NestPosition> {
+    let (text, at) = of(name);
+    let (holder, position) = text.rsplit_once(':').unwrap_or((text, "1"));
+    let holders = line.handling.holders.iter().enumerate();
+    let known: Vec<(&str, HolderId)> = holders.map(|(id, holder)| (holder.name.as_str(), HolderId::at(id))).collect();
+    let nest = one_of(&known, "place for parts", within(text, &at, holder), report)?;
+    let Ok(position) = position.trim().parse() else {
+        let message = format!("`{}` is no position", position.trim());
+        let hint = format!("write `{}: 1`, or the name alone", holder.trim());
+        report.add(Problem::error(at, message).hint(hint));
+        return None;
+    };
+    Some(NestPosition { nest, position })
 }
 
 pub(super) fn device(line: &Line, name: &LocatedName, report: &mut Report) -> Option<usize> {

@@ -18,6 +18,7 @@ use super::super::table::CellTable;
 use super::Reasons;
 use super::ways::ShortestRoutes;
 use crate::texts::decision::tenths;
+use crate::texts::resource::other_rest;
 use crate::texts::wait::{failed, remaining, unready};
 use crate::texts::{self, CellWait, TokenOwner, called, reason};
 
@@ -98,6 +99,9 @@ fn option(
     }
     if let Some(why) = coordination.unready(now, mode) {
         return unready(table, why);
+    }
+    if let Some(found) = coordination.other_rest(mode) {
+        return other_rest(state, &found).trim_end_matches('.').to_owned();
     }
     if let Some(resource) = coordination.uncompared(mode) {
         return CellWait::Uncompared { resource: table.handling().resource_name(resource) }.text();

@@ -46,8 +46,12 @@ impl Coordination {
         let could = self.can_work(now, station);
         let is_first = before.is_none_or(|seen| seen.heard.presence != heard.presence);
         let moved = self.moves(now, station);
+        let has_come = before.map(|seen| seen.heard.rest) != Some(heard.rest);
         self.watch.hear(now, station, heard);
-        if is_first || moved != self.moves(now, station) || could != self.can_work(now, station) {
+        if has_come && heard.rest.is_some() {
+            self.watch.at_new_rest.insert(station);
+        }
+        if has_come || is_first || moved != self.moves(now, station) || could != self.can_work(now, station) {
             // No record shows that something can start now that could not.
             self.reconsider();
         }
@@ -142,6 +146,7 @@ impl Coordination {
             self.restored(now, id, out);
         }
         self.compare_anew(now, out);
+        self.look_at_rests(now, out);
     }
 
     /// Time at which exceptions need a step without an arrival.

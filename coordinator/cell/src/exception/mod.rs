@@ -54,5 +54,5 @@ pub use policy::{
     StationRests,
 };
 pub use request::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
-pub(crate) use standing::WrongRest;
+pub(crate) use standing::{OtherRest, WrongRest};
 pub(super) use watch::StationMonitor;

@@ -29,7 +29,46 @@ pub(crate) struct WrongRest {
     pub has_part: bool,
 }
 
+/// A station that stands at another rest than its task of an activity begins at: it would refuse that order each time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct OtherRest {
+    pub station: StationId,
+    /// Where it stands.
+    pub stands: RestId,
+    /// Where its task begins.
+    pub wanted: RestId,
+}
+
 impl Coordination {
+    /// The first station of a mode that stands at another rest than its task begins at, by its last report; none where that is not known.
+    pub(crate) fn other_rest(&self, mode: ModeId) -> Option<OtherRest> {
+        self.state.table().handling().mode(mode).begins.iter().find_map(|&(station, wanted)| {
+            let stands = self.watch.seen(station)?.heard.rest.filter(|stands| *stands != wanted)?;
+            Some(OtherRest { station, stands, wanted })
+        })
+    }
+
+    /// Leaves resources out whose stations have been led to a rest from which nothing can be done with them, in hand mode or by
+    /// themselves. Each is looked at once for each rest that it has come to, when nothing is under way there and it could work.
+    pub(super) fn look_at_rests(&mut self, now: Tick, out: &mut PlayerOutbox) {
+        if !self.starts || self.watch.at_new_rest.is_empty() {
+            return;
+        }
+        for station in self.watch.at_new_rest.clone() {
+            let handling = self.state.table().handling();
+            let resource = handling.resource_ids().find(|&id| handling.resources[id.index()].station == Some(station));
+            let is_busy = resource.is_some_and(|resource| self.is_in_use(resource, None));
+            if is_busy || self.objection(now, station).is_some() || self.moves(now, station) {
+                continue;
+            }
+            self.watch.at_new_rest.remove(&station);
+            let in_service = |&id: &ResourceId| self.state.exceptions().is_down(id).is_none();
+            if let Some(resource) = resource.filter(in_service) {
+                self.stands_wrong(now, resource, out);
+            }
+        }
+    }
+
     /// Where the station of a resource should stand and does not; none as well where that is not decided: something is under way
     /// there, its rest is not known, there is room for several parts, or one of the next activities tells the station nothing.
     pub(super) fn wrong_rest(&self, resource: ResourceId) -> Option<WrongRest> {

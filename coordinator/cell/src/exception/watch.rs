@@ -47,6 +47,8 @@ pub(in super::super) struct StationMonitor {
     pub(super) strays: BTreeSet<StationId>,
     /// Stations that a person leads in manual while the others are in auto, and the epoch since which it is so.
     pub(super) in_manual: BTreeMap<StationId, u64>,
+    /// Stations that have come to a rest, and have not been looked at there.
+    pub(super) at_new_rest: BTreeSet<StationId>,
     /// Resources of which model and plant have still to be compared: not in this life, or with a difference when an activity ended.
     pub(super) uncompared: BTreeMap<ResourceId, PendingComparison>,
 }

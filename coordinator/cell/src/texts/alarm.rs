@@ -15,7 +15,8 @@ use crate::player::Coordination;
 use crate::record::{ActivityFailure, OrderFailure};
 use crate::state::PlayerState;
 use crate::texts::limit;
-use crate::texts::resource::difference;
+use crate::texts::resource::{difference, refused_there};
+pub use crate::texts::standing::StationStanding;
 
 /// The answer that a resource is as the model has it.
 pub(crate) const UP: &str = "up";
@@ -27,14 +28,17 @@ pub(crate) fn alarm(of: &Coordination, firing: &OngoingActivity, cause: Activity
     let state = of.state();
     let handling = state.table().handling();
     let tell = handling.rule(firing.mode, cause).map(|rule| filled(&rule.tell, state, firing.mode, firing.part));
+    // The usual text names the activity, and those that are to be led stand between two rests: once is enough.
+    let activity = tell.as_ref().map(|_| state.table().called(firing.mode));
     let tell = tell.unwrap_or_else(|| {
         let part = firing.part.map(|part| super::part(state, part));
         AlarmText::Failed { activity: state.table().called(firing.mode), part: part.as_deref() }.text()
     });
     let StationsToLead { lead, reset, reason, at_order: _ } = of.stations_to_lead(now, firing);
+    let facts = facts(of, firing, cause, now, (activity, &lead));
     let names = |ids: Vec<StationId>| -> Vec<String> { ids.into_iter().map(|id| handling.station_name(id)).collect() };
     let (held, stopped) = (names(lead), names(reset));
-    let text = AlarmText::WithFacts { tell: &tell, facts: &facts(of, firing, cause, now) }.text();
+    let text = AlarmText::WithFacts { tell: &tell, facts: &facts }.text();
     if held.is_empty() {
         text
     } else {
@@ -60,13 +64,20 @@ pub(crate) fn again(finding: &str, alarm: &str) -> String {
     if finding.is_empty() { alarm.to_owned() } else { format!("{finding} {alarm}") }
 }
 
-/// Facts: `load M1: m1: time limit exceeded, after 26 s; robot: at rest, m1: at rest`.
-fn facts(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
+/// Facts: `load M1: m1: time limit exceeded, after 26 s; robot: order done`. Of a station at a rest, or to be led to one, nothing is to be
+/// known beside that.
+fn facts(
+    of: &Coordination,
+    firing: &OngoingActivity,
+    cause: ActivityFailure,
+    now: Tick,
+    (activity, led): (Option<&str>, &[StationId]),
+) -> String {
     let state = of.state();
     let handling = state.table().handling();
     let failed_after = state.exceptions().trouble(firing.id).map_or(now, |trouble| trouble.since).since(firing.began);
     let mut text = AlarmText::Facts {
-        activity: state.table().called(firing.mode),
+        activity,
         cause: &cause_of(of, firing, cause),
         seconds: failed_after.as_millis() as f64 / 1e3,
     }
@@ -90,8 +101,16 @@ fn facts(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, no
     }
     let mut joint = ";";
     for order in &firing.orders {
-        let standing = of.standing_now(now, firing.id, order).text();
-        let _ = write!(text, "{joint} {}: {standing}", handling.station_name(order.station));
+        let standing = of.standing_now(now, firing.id, order);
+        let is_plain = match standing {
+            StationStanding::AtRest => true,
+            StationStanding::Held => led.contains(&order.station),
+            _ => false,
+        };
+        if is_plain {
+            continue;
+        }
+        let _ = write!(text, "{joint} {}: {}", handling.station_name(order.station), standing.text());
         joint = ",";
     }
     let others = state.exceptions().stopped().filter(|id| firing.orders.iter().all(|order| order.station != *id));
@@ -100,44 +119,6 @@ fn facts(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, no
         joint = ",";
     }
     text
-}
-
-/// Standing of a station of a failed activity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StationStanding {
-    /// In an emergency stop of its own.
-    EmergencyStop,
-    /// Its order is done.
-    Done,
-    AtRest,
-    /// Between two rests.
-    Held,
-    /// Still at its order, which it goes back from, or ends, in auto.
-    AtOrder,
-    /// Not reported at rest in time.
-    Unknown,
-    /// Its order store was reset.
-    StoreReset,
-    /// Its order was not begun.
-    NotBegun,
-}
-
-impl StationStanding {
-    /// The text, behind the station's name.
-    pub const fn text(self) -> &'static str {
-        match self {
-            StationStanding::EmergencyStop => "in emergency stop",
-            StationStanding::Done => "order done",
-            StationStanding::AtRest => "at rest",
-            StationStanding::Held => "stopped between two rests",
-            StationStanding::AtOrder => {
-                "still at its order, which it ends in auto; where it stands in auto, stop and lead it in manual"
-            }
-            StationStanding::Unknown => "rest not confirmed",
-            StationStanding::StoreReset => "restarted without its memory of orders",
-            StationStanding::NotBegun => "order not begun",
-        }
-    }
 }
 
 /// Reason why an activity failed, with the names of the description.
@@ -170,7 +151,9 @@ fn order_failed(of: &Coordination, firing: &OngoingActivity, order: &OngoingOrde
     if failure == OrderFailure::TimedOut {
         return limit::time(of.state(), firing, order, &text);
     }
-    let detail = awaited(of, firing, order, failure).or_else(|| fault_of_order(of, firing, order, failure));
+    let detail = awaited(of, firing, order, failure)
+        .or_else(|| fault_of_order(of, firing, order, failure))
+        .or_else(|| refused_there(of, firing, order.station, failure));
     detail.map_or_else(|| text.clone(), |detail| AlarmText::Because { failure: &text, detail: &detail }.text())
 }
 
@@ -311,8 +294,8 @@ pub enum AlarmText<'a> {
     PartGone,
     /// The resource is as the model has it.
     MeansUp,
-    /// The facts of a failed activity; how its stations stand follows.
-    Facts { activity: &'a str, cause: &'a str, seconds: f64 },
+    /// The facts of a failed activity, with its name where nothing before has it; how its stations stand follows.
+    Facts { activity: Option<&'a str>, cause: &'a str, seconds: f64 },
     /// A failure with its cause: the inputs that did not come, or the fault text of the station.
     Because { failure: &'a str, detail: &'a str },
     /// An order that was left while it waited for inputs, since another one had failed.
@@ -342,6 +325,8 @@ pub enum AlarmText<'a> {
         has_part: bool,
         bring: &'a str,
     },
+    /// A station that stands at another rest than the task of an order begins at.
+    OtherRest { station: &'a str, stands: &'a str, wanted: &'a str, bring: &'a str },
     /// The button and the task of a way to a rest, and whether that waits for inputs; and the button that takes back the task that has led
     /// away from there.
     Bring {
@@ -375,10 +360,10 @@ impl AlarmText<'_> {
                 let reset = if reset.is_empty() { String::new() } else { format!("{}, then ", reset.join(" and ")) };
                 let lead = match why {
                     Some((LeadDirection::On, because)) => {
-                        format!(": to the end of the task where it lists a way there, since {because}")
+                        format!(": to the end of the task if there is a way, since {because}")
                     }
                     Some((LeadDirection::Back, because)) => {
-                        format!(": back to where the task began where it lists a way there, since {because}")
+                        format!(": back to where the task began if there is a way, since {because}")
                     }
                     None if stations.len() > 1 => ": all to the end or all back".to_owned(),
                     None => String::new(),
@@ -404,7 +389,8 @@ impl AlarmText<'_> {
             AlarmText::PartGone => "part gone".to_owned(),
             AlarmText::MeansUp => "as the model has it".to_owned(),
             AlarmText::Facts { activity, cause, seconds } => {
-                format!("{activity}: {cause}, after {} s", limit::tenths(seconds))
+                let activity = activity.map(|activity| format!("{activity}: ")).unwrap_or_default();
+                format!("{activity}{cause}, after {} s", limit::tenths(seconds))
             }
             AlarmText::Because { failure, detail } => format!("{failure}: {detail}"),
             AlarmText::LeftWaiting { station, inputs, code } => {
@@ -442,6 +428,9 @@ impl AlarmText<'_> {
                      is not used. {bring} Then answer \"{UP}\"."
                 )
             }
+            AlarmText::OtherRest { station, stands, wanted, bring } => {
+                format!("{station} stands at rest \"{stands}\", and its task begins at \"{wanted}\". {bring}")
+            }
             AlarmText::Bring { station, wanted, way, back, too } => {
                 let back =
                     back.map(|(button, task)| format!("{button} (takes task \"{task}\" back, if that was the last)"));
@@ -455,9 +444,7 @@ impl AlarmText<'_> {
                     (None, None) => "in hand mode run the tasks that lead there".to_owned(),
                 };
                 let too = too.iter().map(|too| format!(" {too}.")).collect::<String>();
-                format!(
-                    "Bring {station} to \"{wanted}\": {way} (to hand mode: stop, wait for the standstill, start, hand).{too}"
-                )
+                format!("Bring {station} to \"{wanted}\": {way} (stop, wait for the standstill, start, hand).{too}")
             }
             AlarmText::MovesToo { button, station } => format!("{button} moves {station} too"),
             AlarmText::PartMissing { resource } => format!("{resource}: part expected, sensor off"),

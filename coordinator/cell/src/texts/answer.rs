@@ -68,6 +68,11 @@ impl ListedAnswer {
         answers
     }
 
+    /// Whether sensors say otherwise now.
+    pub fn is_contradicted(&self) -> bool {
+        self.remark.as_ref().is_some_and(|remark| remark.fit == AnswerFit::Contradicts)
+    }
+
     /// The answer, with its meaning and the remark in parentheses.
     pub fn text(&self) -> String {
         let remark = self.remark.as_ref().map(AnswerRemark::text).unwrap_or_default();

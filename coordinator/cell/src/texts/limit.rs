@@ -50,9 +50,7 @@ impl LimitText<'_> {
             }
             LimitText::Repeated { times } => {
                 let times = if times == 1 { "once".to_owned() } else { format!("{times} times") };
-                format!(
-                    "repeated {times} already, which is all that `retries` of its [[exception]] in cell.toml allows"
-                )
+                format!("repeated {times} already, as often as `retries` of its [[exception]] in cell.toml allows")
             }
         }
     }

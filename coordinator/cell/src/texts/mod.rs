@@ -13,6 +13,7 @@ mod part;
 mod production;
 pub(crate) mod resource;
 mod service;
+mod standing;
 pub(crate) mod wait;
 
 pub use answer::{AnswerFit, AnswerRemark, ListedAnswer, answer_refused};

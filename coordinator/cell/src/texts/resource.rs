@@ -1,9 +1,13 @@
 //! Alarms of a resource that is left out: what is so at it, and how that is put right.
 
 use linewright_line::{RestId, StationId};
+use linewright_orders::TaskRefusal;
 
-use crate::exception::{AlarmAnswerRefusal, RecoveryPolicy, ResourceRequest, SensorMismatch, WrongRest};
+use crate::exception::{AlarmAnswerRefusal, OtherRest, RecoveryPolicy, ResourceRequest, SensorMismatch, WrongRest};
+use crate::firing::OngoingActivity;
 use crate::ids::{PartId, ResourceId};
+use crate::player::Coordination;
+use crate::record::OrderFailure;
 use crate::state::PlayerState;
 use crate::texts::alarm::AlarmText;
 
@@ -15,7 +19,7 @@ pub(crate) fn mismatch(
     first: Option<&WrongRest>,
 ) -> String {
     let missing = missing.map(|part| super::part(state, part));
-    let (found, bring) = (difference(state.table().handling(), found), first.map(|first| bring(state, first)));
+    let (found, bring) = (difference(state.table().handling(), found), first.map(|first| bring(state, &of(first))));
     AlarmText::Mismatch { found: &found, missing: missing.as_deref(), bring: bring.as_deref() }.text()
 }
 
@@ -43,9 +47,37 @@ pub(crate) fn wrong_rest(state: &PlayerState, found: &WrongRest) -> String {
         wanted: rest_name(handling, found.station, found.wanted),
         next: state.table().called(found.next),
         has_part: found.has_part,
+        bring: &bring(state, &of(found)),
+    }
+    .text()
+}
+
+fn of(found: &WrongRest) -> OtherRest {
+    OtherRest { station: found.station, stands: found.stands, wanted: found.wanted }
+}
+
+/// A station that stands at another rest than the task begins at that an order is for, and how it is brought there.
+pub(crate) fn other_rest(state: &PlayerState, found: &OtherRest) -> String {
+    let handling = state.table().handling();
+    AlarmText::OtherRest {
+        station: &handling.station_name(found.station),
+        stands: rest_name(handling, found.station, found.stands),
+        wanted: rest_name(handling, found.station, found.wanted),
         bring: &bring(state, found),
     }
     .text()
+}
+
+/// The same of a station that has refused its order for it, as it stands now.
+pub(crate) fn refused_there(
+    of: &Coordination,
+    firing: &OngoingActivity,
+    station: StationId,
+    failure: OrderFailure,
+) -> Option<String> {
+    let found = of.other_rest(firing.mode).filter(|found| found.station == station);
+    let found = found.filter(|_| failure == OrderFailure::Refused(TaskRefusal::NotThere))?;
+    Some(other_rest(of.state(), &found))
 }
 
 fn rest_name(handling: &RecoveryPolicy, station: StationId, rest: RestId) -> &str {
@@ -54,7 +86,7 @@ fn rest_name(handling: &RecoveryPolicy, station: StationId, rest: RestId) -> &st
 }
 
 /// How the station is brought to the other rest.
-fn bring(state: &PlayerState, found: &WrongRest) -> String {
+fn bring(state: &PlayerState, found: &OtherRest) -> String {
     let handling = state.table().handling();
     let rests = handling.rests.iter().find(|of| of.station == found.station);
     let tasks = rests.map(|of| &of.tasks[..]).unwrap_or_default();

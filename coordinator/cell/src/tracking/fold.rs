@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!  of a resource:   busy ─┬─ an activity that it takes part in is in progress, and none of them has failed
-//!                   down ─┴─ one of them has failed, and its alarm is not answered yet; or it is left out
+//!                   down ─┴─ one of them has failed, and its alarm is not answered yet; or it is left out. A store is down only in
+//!                          the second case: parts of other activities come and go as before
 //!  of a part:       worked on, moved, or waiting: from its entering to its leaving it is one of the three
 //! ```
 
@@ -187,7 +188,7 @@ impl Tracking {
         until.pass(now);
         for open in until.open.values() {
             if let (Some(failed), Some(entry)) = (&open.failed, until.sheet.modes.get(open.mode.index())) {
-                for &resource in &entry.resources {
+                for resource in until.sheet.kept_down(entry) {
                     let down = now.since(failed.at.max(self.from));
                     failed.add_to(&mut until.resources[resource].causes, resource, down);
                 }
@@ -306,10 +307,10 @@ impl Tracking {
         let mode = open.mode;
         self.failures += u64::from(at >= self.from);
         self.works(mode, |working| working - 1);
-        self.each(mode, |tally| {
-            tally.running -= 1;
-            tally.failed += 1;
-        });
+        self.each(mode, |tally| tally.running -= 1);
+        for resource in self.sheet.entry(mode).into_iter().flat_map(|entry| self.sheet.kept_down(entry)) {
+            self.resources[resource].failed += 1;
+        }
     }
 
     /// A failed activity is over, or a resource is left out.
@@ -381,7 +382,7 @@ impl Tracking {
                 self.each(open.mode, |tally| tally.running -= 1);
             }
             Some(failed) => {
-                for &resource in self.sheet.entry(open.mode).map(|entry| &entry.resources[..]).unwrap_or_default() {
+                for resource in self.sheet.entry(open.mode).into_iter().flat_map(|entry| self.sheet.kept_down(entry)) {
                     let tally = &mut self.resources[resource];
                     tally.failed -= 1;
                     if counts {

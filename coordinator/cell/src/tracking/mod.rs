@@ -17,6 +17,8 @@ mod spread;
 
 use std::time::Duration;
 
+use linewright_cell::Prototype;
+
 pub use activities::{Activities, ActivityFailed, FinishedActivity};
 pub use fold::{PartHistory, Tracking};
 pub use orders::OrdersReport;
@@ -47,6 +49,13 @@ pub struct ResourceEntry {
     pub prototype: String,
     /// Most parts that it holds, or carries at a time.
     pub capacity: u32,
+}
+
+impl ResourceEntry {
+    /// Whether it stores parts: a failed activity keeps a part of its own there, and the others come and go as before.
+    pub fn stores(&self) -> bool {
+        Prototype::ALL.iter().any(|prototype| prototype.stores() && prototype.name() == self.prototype)
+    }
 }
 
 /// Data of one mode.
@@ -91,5 +100,10 @@ impl ReportMetadata {
     /// Data of a mode; none for one that does not exist.
     pub fn entry(&self, mode: ModeId) -> Option<&ModeEntry> {
         self.modes.get(mode.index())
+    }
+
+    /// The resources that a failed activity of a mode keeps down: all of its own but stores.
+    pub fn kept_down(&self, entry: &ModeEntry) -> impl Iterator<Item = usize> {
+        entry.resources.iter().copied().filter(|&at| self.resources.get(at).is_none_or(|of| !of.stores()))
     }
 }

@@ -12,7 +12,7 @@ use linewright_coordinator_cell::{
     CellId, CellTable, Fifo, ModeId, OngoingActivity, PartId, PlayerInput, PlayerState, Presence, RecordKind,
     ResourceId,
 };
-use linewright_line::{Line, StationId, Tick};
+use linewright_line::{Line, RestId, StationId, Tick};
 use linewright_simulation::cell::{CellSim, CellSimOptions, StationSpeed as Takes};
 
 const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
@@ -117,7 +117,13 @@ impl CellBench {
     /// Plays until a part rests in M1 after an activity, because a station is moved by hand, and takes it away; the
     /// difference is found when M1 is to be counted on again. Gives the part, and the marking before.
     pub fn taken_away(&mut self, activity: &str, idle: &str, at: &str) -> (PartId, Vec<u64>) {
+        self.taken_away_at(activity, idle, at, None)
+    }
+
+    /// The same; meanwhile the station has come to this rest.
+    pub fn taken_away_at(&mut self, activity: &str, idle: &str, at: &str, rest: Option<RestId>) -> (PartId, Vec<u64>) {
         self.until_that(|bench| bench.firing(activity).is_some());
+        self.at(idle).rest = rest.or(self.at(idle).rest);
         self.at(idle).unable = Some(StationUnavailable::ByHand);
         self.until_that(|bench| bench.count(at) > 0);
         let part = self.state().parts().next().expect("it is inside").id;

@@ -8,6 +8,7 @@ mod emergency;
 mod ends;
 mod missed;
 mod moves;
+mod other_rest;
 mod rehearsed;
 mod rows;
 mod rows_of_parts;

@@ -66,7 +66,7 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     assert_eq!(
         alarm.text,
         "R came to M1 without part 1. Put the part back into slot 1 of ST. (load M1: robot: time limit exceeded: 24 s, \
-         `max_s` of its order in cell.toml, after 24 s; robot: at rest, m1: at rest)"
+         `max_s` of its order in cell.toml, after 24 s)"
     );
     assert_eq!(alarm.words, ["in-store", "in-machine", "scrap"]);
     // It stands until there is an answer; nothing else happens to the part meanwhile.

@@ -170,6 +170,19 @@ fn busy_and_down_are_what_a_slow_recount_says() {
     }
 }
 
+/// A failed loading keeps its robot and its machine down until it is answered. Other parts go into the store and out of it meanwhile.
+#[test]
+fn a_store_is_not_down_while_an_activity_from_it_has_failed() {
+    let made = Made::new(C1);
+    let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 2, None)).collect();
+    let load = made.table.modes().find(|&mode| made.table.activity(mode).name.starts_with("load M1")).unwrap();
+    let shop = played(&made, &products, |shop| _ = shop.fails.insert(load, 1));
+    let report = report(&made, &shop.log, shop.now.max(shop.makespan()) + seconds(30.0));
+    let of = |name: &str| report.resources.iter().find(|resource| resource.name == name).unwrap();
+    assert!(report.failures > 0 && of("M1").down > Duration::ZERO && of("R").down > Duration::ZERO, "{report}");
+    assert_eq!((of("ST").down, of("ST").causes.iter().count()), (Duration::ZERO, 0), "{report}");
+}
+
 /// A resource that is left out once is down once, whatever else happens meanwhile.
 #[test]
 fn a_resource_is_left_out_as_often_as_somebody_leaves_it_out() {

@@ -45,6 +45,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
         syncs::source_and_target_differ(draft, activity, report);
         syncs::one_carries(draft, activity, report);
         orders::each_station_gets_one(activity, report);
+        orders::orders_are_for_stations_of_the_activity(draft, activity, report);
         orders::limits_are_known_and_exceed_times(draft, activity, report);
         orders::parameters_are_there(draft, activity, report);
     }

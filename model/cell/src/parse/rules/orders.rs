@@ -8,9 +8,9 @@ use linewright_text::{Located, Problem, Report, suggestion};
 
 use super::durations::time_left_out;
 use super::resources::station_exists;
-use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
+use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder, DraftResource};
 use crate::parse::raw::RawOn;
-use crate::{ActivityKind, ParameterSource, Prototype};
+use crate::{ActivityKind, ParameterSource, Prototype, ResourceId};
 
 pub(super) fn stations_exist(draft: &DraftCell<'_>, report: &mut Report) {
     let orders = draft.activities.iter().flat_map(|activity| &activity.orders);
@@ -50,14 +50,21 @@ pub(super) fn limits_are_known_and_exceed_times(
     report: &mut Report,
 ) {
     let charted = time_left_out(draft, activity).map(|time| time.longest);
-    let longest = times(draft, activity).map(|time| time.value).chain(charted).max();
+    // Of equal ones the first that is written.
+    let written =
+        times(draft, activity).reduce(|longest, time| if time.value > longest.value { time } else { longest });
+    let longest = written.as_ref().map(|time| time.value).into_iter().chain(charted).max();
     for order in &activity.orders {
         match (&order.raw.limit, longest) {
-            (Some(limit), Some(time)) if limit.value <= time => report.add(
-                Problem::error(limit.at.clone(), format!("`max_s` is {} s", limit.value.as_secs_f64()))
+            (Some(limit), Some(time)) if limit.value <= time => {
+                let problem = Problem::error(limit.at.clone(), format!("`max_s` is {} s", limit.value.as_secs_f64()))
                     .label("too short")
-                    .hint(format!("`{}` takes {} s itself", activity.name, time.as_secs_f64())),
-            ),
+                    .hint(format!("`{}` takes {} s itself", activity.name, time.as_secs_f64()));
+                report.add(match written.as_ref().filter(|written| written.value == time) {
+                    Some(written) => problem.also(&written.at, "its time"),
+                    None => problem,
+                });
+            }
             (None, None) if activity.kind != ActivityKind::Process => report.add(
                 Problem::error(order.raw.at.clone(), "lateness of this order cannot be determined")
                     .hint(format!("give it `max_s`, or `{}` a `time_s`", activity.name)),
@@ -71,6 +78,71 @@ pub(super) fn limits_are_known_and_exceed_times(
 pub(super) fn ordered(line: &Line, order: &DraftOrder<'_>) -> Option<(StationId, TaskId)> {
     let station = line.station_named(&order.raw.station.as_ref()?.value)?;
     Some((station, line.station(station).task_named(&order.raw.task.as_ref()?.value)?))
+}
+
+/// An order of a station of another resource than those that take part in the activity: the order, and that resource.
+fn misdirected<'o, 'a>(
+    draft: &'o DraftCell<'a>,
+    activity: &'o DraftActivity<'a>,
+) -> impl Iterator<Item = (&'o DraftOrder<'a>, &'o DraftResource<'a>)> {
+    activity.orders.iter().filter_map(|order| {
+        let mut owners = draft.resources.iter().enumerate().filter(|(_, of)| of.controller == order.controller);
+        let (id, owner) = owners.next().filter(|_| order.controller.is_some())?;
+        let is_used = activity.uses.iter().any(|part| part.value.of == Some(ResourceId::at(id)));
+        (!is_used && activity.is_whole).then_some((order, owner))
+    })
+}
+
+/// The resources that take part in an activity, and whose stations have no order in it.
+fn without_order<'o, 'a>(
+    draft: &'o DraftCell<'a>,
+    activity: &'o DraftActivity<'a>,
+) -> impl Iterator<Item = (&'o DraftResource<'a>, &'o str)> {
+    let used = activity.uses.iter().filter_map(|part| Some(draft.resource(part.value.of?)));
+    let is_ordered = |of: &DraftResource<'_>| activity.orders.iter().any(|order| order.controller == of.controller);
+    used.filter(move |of| of.controller.is_some() && !is_ordered(of))
+        .filter_map(|of| Some((of, of.raw.station.as_ref()?.value.as_str())))
+}
+
+/// What an activity orders is done by the stations of its resources. Another one is an error where the right one is left without an order,
+/// and has a task of that name.
+pub(super) fn orders_are_for_stations_of_the_activity(
+    draft: &DraftCell<'_>,
+    activity: &DraftActivity<'_>,
+    report: &mut Report,
+) {
+    let Some(line) = draft.line else { return };
+    for (order, owner) in misdirected(draft, activity) {
+        let (Some(station), Some(task)) = (&order.raw.station, &order.raw.task) else { continue };
+        if ordered(line, order).is_none() {
+            continue;
+        }
+        let message = format!(
+            "`{}` orders `{}` of `{}`, the station of `{}`, which takes no part in it",
+            activity.name, task.value, station.value, owner.name
+        );
+        report.add(match expected(draft, activity, &task.value) {
+            Some((of, right)) => Problem::error(station.at.clone(), message).label("another station").hint(format!(
+                "`{right}`, the station of `{}`, has such a task and no order here: `station = \"{right}\"`",
+                of.name
+            )),
+            None => Problem::warning(station.at.clone(), message).label("another station").hint(format!(
+                "order it of a station of the resources in `actions`, or name what `{}` does there",
+                owner.name
+            )),
+        });
+    }
+}
+
+/// The resource of the activity whose station has this task, and no order yet.
+pub(super) fn expected<'o>(
+    draft: &'o DraftCell<'_>,
+    activity: &'o DraftActivity<'_>,
+    task: &str,
+) -> Option<(&'o DraftResource<'o>, &'o str)> {
+    let line = draft.line?;
+    let mut left = without_order(draft, activity);
+    left.find(|(_, name)| line.station_named(name).is_some_and(|id| line.station(id).task_named(task).is_some()))
 }
 
 /// The nominal times of an activity: of a process, those of the steps that it is for.

@@ -7,6 +7,7 @@
 use linewright_line::{RestId, Station, StationId, Task};
 use linewright_text::{Problem, Report};
 
+use super::orders::expected;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder, DraftResource};
 use crate::{ControllerId, ResourceId, Role};
 
@@ -96,7 +97,13 @@ impl Ordered<'_, '_> {
 
 /// An order whose task begins at another rest is refused, each time.
 fn tasks_begin_where_others_end(draft: &DraftCell<'_>, machine: &Machine<'_, '_>, report: &mut Report) {
-    if machine.does_other_things(draft) {
+    // An order for it that names another station is an error of that order.
+    let is_missed = |activity: &DraftActivity<'_>| {
+        let tasks = activity.orders.iter().filter_map(|order| order.raw.task.as_ref());
+        let mut meant = tasks.filter_map(|task| expected(draft, activity, &task.value));
+        meant.any(|(of, _)| of.controller == Some(machine.controller))
+    };
+    if machine.does_other_things(draft) || draft.activities.iter().any(is_missed) {
         return;
     }
     let phases = PHASES.iter().filter(|role| !machine.is_without_order(draft, **role));

@@ -7,7 +7,7 @@ use linewright_line::{Parameter, Task};
 use linewright_text::{Located, Problem, Report, TextRange, suggestion};
 
 use super::durations::{charted, time_left_out};
-use super::orders::times;
+use super::orders::{expected, times};
 use crate::ParameterSource;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 
@@ -15,7 +15,7 @@ use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 pub(super) fn orders_fit_their_tasks(draft: &DraftCell<'_>, report: &mut Report) {
     for activity in &draft.activities {
         for order in &activity.orders {
-            if let Some(task) = task_of(draft, order, report) {
+            if let Some(task) = task_of(draft, activity, order, report) {
                 times_fit_the_motions(draft, activity, order, task, report);
                 parameters_are_the_tasks(order, task, report);
                 numbers_fit(draft, activity, order, task, report);
@@ -27,7 +27,12 @@ pub(super) fn orders_fit_their_tasks(draft: &DraftCell<'_>, report: &mut Report)
 }
 
 /// The task an order is for, or a problem with those there are.
-fn task_of<'d>(draft: &DraftCell<'d>, order: &DraftOrder<'_>, report: &mut Report) -> Option<&'d Task> {
+fn task_of<'d>(
+    draft: &DraftCell<'d>,
+    activity: &DraftActivity<'_>,
+    order: &DraftOrder<'_>,
+    report: &mut Report,
+) -> Option<&'d Task> {
     let line = draft.line?;
     let (station, task) = (order.raw.station.as_ref()?, order.raw.task.as_ref()?);
     let of = line.station(line.station_named(&station.value)?);
@@ -40,10 +45,15 @@ fn task_of<'d>(draft: &DraftCell<'d>, order: &DraftOrder<'_>, report: &mut Repor
     }
     let found = of.task_named(&task.value).map(|id| of.task(id));
     if found.is_none() {
-        report.add(
-            Problem::error(task.at.clone(), format!("station `{}` has no task `{}`", station.value, task.value))
+        let message = format!("station `{}` has no task `{}`", station.value, task.value);
+        report.add(match expected(draft, activity, &task.value) {
+            Some((resource, right)) => Problem::error(station.at.clone(), message).hint(format!(
+                "`{right}`, the station of `{}`, has it and no order here: `station = \"{right}\"`",
+                resource.name
+            )),
+            None => Problem::error(task.at.clone(), message)
                 .maybe_hint(suggestion(&task.value, of.tasks.iter().map(|task| task.name.as_str()))),
-        );
+        });
     }
     found
 }

@@ -3,7 +3,7 @@
 //! In hand mode one held button runs a sequence of operations. A type is the part of a sequence that an operation is,
 //! so the types of neighbours, going round the cycle, must agree.
 
-use linewright_text::{Located, Problem, Report};
+use linewright_text::{Located, Problem, Report, TextRange};
 
 use crate::parse::draft::{DraftOperation, DraftStation, DraftTask};
 use crate::parse::raw::ModuleKind;
@@ -28,7 +28,7 @@ fn neighbours<'s>(
 }
 
 pub(super) fn modules_suit_their_types(station: &DraftStation<'_>, report: &mut Report) {
-    for operation in &station.operations {
+    for operation in station.operations.iter().filter(|operation| operation.task.is_none()) {
         let Some(hand) = &operation.hand else { continue };
         let kind = hand.value.kind();
         if operation.kind() == Some(ModuleKind::Irreversible) && kind.has_back() {
@@ -71,6 +71,9 @@ pub(super) fn sequences_continue(station: &DraftStation<'_>, report: &mut Report
         let (kind, next_kind) = (hand.value.kind(), next_hand.value.kind());
         let Some(allowed) = kind.followed_by() else { continue };
         if !allowed.contains(&next_kind) {
+            if station.is_task_driven() {
+                continue;
+            }
             let message =
                 format!("`{}` has hand type {kind}, but `{}` after it has type {next_kind}", this.name, next.name);
             let hint = format!("type {kind} is followed by {} or {}: it is {}", allowed[0], allowed[1], kind.purpose());
@@ -91,6 +94,9 @@ pub(super) fn sequences_begin(station: &DraftStation<'_>, report: &mut Report) {
     for (this, hand, next, next_hand) in neighbours(station) {
         let (kind, next_kind) = (hand.value.kind(), next_hand.value.kind());
         let Some(allowed) = next_kind.preceded_by().filter(|allowed| !allowed.contains(&kind)) else { continue };
+        if station.is_task_driven() {
+            continue;
+        }
         let message =
             format!("`{}` has hand type {next_kind}, but `{}` before it has type {kind}", next.name, this.name);
         let hint =
@@ -132,19 +138,75 @@ pub(super) fn next_is_the_following_forward(station: &DraftStation<'_>, report: 
     }
 }
 
-/// A button runs one task at most: what follows is an operator's choice.
-pub(super) fn sequences_stay_in_their_task(station: &DraftStation<'_>, report: &mut Report) {
-    for task in station.tasks.iter().filter(|task| !task.ops.is_empty()) {
-        let (first, last) = (&station.operations[task.ops.start], &station.operations[task.ops.end - 1]);
-        let mut check = |operation: &DraftOperation<'_>, what: &str, suits: fn(HandType) -> bool| {
-            let Some(hand) = operation.hand.as_ref().filter(|hand| !suits(hand.value.kind())) else { return };
-            let kind = hand.value.kind();
-            let message = format!("`{}` {what} task `{}`, but has hand type {kind}", operation.name, task.name);
-            report.add(Problem::error(hand.at.clone(), message).hint(format!("it takes {} there", types(suits))));
-        };
-        check(first, "begins", |kind| kind.preceded_by().is_none());
-        check(last, "ends", |kind| kind.followed_by().is_none());
+/// The types of a task's operations: a button runs one task at most, since what follows is an operator's choice. One problem for a task,
+/// whose advice has the types of all its operations. Where operations of a task stand apart, that is reported alone.
+pub(super) fn tasks_are_sequences(station: &DraftStation<'_>, report: &mut Report) {
+    for (at, task) in station.tasks.iter().enumerate().filter(|(_, task)| !task.ops.is_empty()) {
+        let operations = &station.operations[task.ops.clone()];
+        let of_task =
+            |operation: &&DraftOperation<'_>| operation.task.as_ref().is_some_and(|of| of.value.index() == at);
+        if station.operations.iter().filter(of_task).count() != operations.len() {
+            continue;
+        }
+        if let Some((at, message)) = wrong_type(task, operations) {
+            report.add(Problem::error(at, message).hint(types_of_task(task, operations)));
+        }
     }
+}
+
+/// The type as it is written, also where a button that it needs is missing.
+fn written(operation: &DraftOperation<'_>) -> Option<HandType> {
+    HandType::numbered(operation.raw.hand.as_ref()?.number.as_ref()?.value)
+}
+
+/// The first operation of a task whose type does not fit its place in it, or what it is.
+fn wrong_type(task: &DraftTask<'_>, operations: &[DraftOperation<'_>]) -> Option<(TextRange, String)> {
+    let last = operations.len() - 1;
+    operations.iter().enumerate().find_map(|(nth, this)| {
+        let (kind, at) = (written(this)?, this.raw.hand.as_ref()?.at.clone());
+        let next = operations.get(nth + 1).and_then(|next| Some((next, written(next)?)));
+        let misfit = |(_, next): &(&DraftOperation<'_>, HandType)| {
+            let follows = kind.followed_by().is_none_or(|allowed| allowed.contains(next));
+            !follows || next.preceded_by().is_some_and(|allowed| !allowed.contains(&kind))
+        };
+        let name = this.name;
+        let message = if this.kind() == Some(ModuleKind::Irreversible) && kind.has_back() {
+            format!("irreversible operation `{name}` has hand type {kind}")
+        } else if nth == 0 && kind.preceded_by().is_some() {
+            format!("`{name}` begins task `{}`, but has hand type {kind}", task.name)
+        } else if nth == last && kind.followed_by().is_some() {
+            format!("`{name}` ends task `{}`, but has hand type {kind}", task.name)
+        } else {
+            let (after, next) = next.filter(misfit)?;
+            format!("`{name}` has hand type {kind}, but `{}` after it has type {next}", after.name)
+        };
+        Some((at, message))
+    })
+}
+
+/// Types with which the operations of a task are one sequence, with the buttons that they need.
+fn types_of_task(task: &DraftTask<'_>, operations: &[DraftOperation<'_>]) -> String {
+    let of = |first: HandType, middle: HandType, last: HandType| {
+        let end = operations.len() - 1;
+        let kind = |nth: usize| match nth {
+            nth if nth == end => last,
+            0 => first,
+            _ => middle,
+        };
+        let one = |(nth, operation): (usize, &DraftOperation<'_>)| format!("`{}` {}", operation.name, kind(nth));
+        operations.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
+    };
+    let onwards = of(HandType::Sequence, HandType::Sequence, HandType::SequenceEnd);
+    let is_alone = operations.len() == 1;
+    let each = if is_alone { "" } else { "each " };
+    let onwards = format!("{onwards}, {each}with `forward` alone");
+    let types = format!("give task `{}` the types {onwards}", task.name);
+    if operations.iter().any(|operation| operation.kind() == Some(ModuleKind::Irreversible)) {
+        return types;
+    }
+    let end = if is_alone { HandType::Single } else { HandType::ReversedEnd };
+    let reversed = of(HandType::ReversedStart, HandType::ReversedMiddle, end);
+    format!("{types}; or, where a button is to lead it back, {reversed}, {each}with `forward` and `back`")
 }
 
 /// The types that suit, as `1, 2 or 6`.

@@ -66,7 +66,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
         }
         if station.is_task_driven() {
             tasks::check(station, report);
-            hand::sequences_stay_in_their_task(station, report);
+            hand::tasks_are_sequences(station, report);
             hand::buttons_tell_tasks_apart(station, report);
         } else {
             tasks::nothing_of_tasks(station, report);

@@ -7,6 +7,7 @@
 //! order of events completes is reported, as an error. Where another input of the same axis completes it, two inputs have been
 //! taken for each other.
 
+mod clamps;
 mod places;
 mod transfers;
 
@@ -31,7 +32,11 @@ pub(super) fn activities_can_complete(draft: &DraftCell<'_>, report: &mut Report
         let mut left = STATES_MAX;
         let problems = match handshake.course(None, SwitchEdge::Sharp, &mut left) {
             Course::Stuck(waiting) => handshake.stuck(&activity.name, &waiting, &mut left).into_iter().collect(),
-            Course::Completes => handshake.unordered_transfers(&mut left),
+            Course::Completes => {
+                let mut problems = handshake.unordered_transfers(&mut left);
+                problems.extend(handshake.unordered_clamps(draft, activity, &mut left));
+                problems
+            }
             Course::Undecided => vec![undecided(activity)],
         };
         problems.into_iter().chain(handshake.misplaced(draft, activity)).for_each(|problem| report.add(problem));

@@ -169,7 +169,7 @@ impl Handshake<'_, '_> {
 }
 
 /// The resources that a nest may belong to: the one with its name, else those of its station.
-fn owners(draft: &DraftCell<'_>, nest: &Holder) -> Vec<ResourceId> {
+pub(super) fn owners(draft: &DraftCell<'_>, nest: &Holder) -> Vec<ResourceId> {
     let all = || draft.resources.iter().enumerate().map(|(id, resource)| (ResourceId::at(id), resource));
     let named: Vec<ResourceId> = all().filter(|(_, resource)| resource.name == nest.name).map(|(id, _)| id).collect();
     if !named.is_empty() {

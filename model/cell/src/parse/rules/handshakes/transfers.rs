@@ -12,7 +12,7 @@ use super::{Handshake, Player, State, SwitchEdge, axis_of, same_place, stands_of
 
 /// What an operation does with a part at a clamp of another station.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum PartTransfer {
+pub(super) enum PartTransfer {
     LetsGo,
     CarriesAway,
 }
@@ -36,7 +36,7 @@ impl Player<'_, '_> {
     }
 
     /// What an operation does with a part at what the hand reaches.
-    fn transfer(&self, operation: usize, reach: &Reach, hand: &Stand) -> Option<PartTransfer> {
+    pub(super) fn transfer(&self, operation: usize, reach: &Reach, hand: &Stand) -> Option<PartTransfer> {
         let (before, after) = (operation * 2, operation * 2 + 2);
         if !self.is_at(before, reach) || !self.stands(before, hand) {
             return None;
@@ -152,7 +152,7 @@ impl Handshake<'_, '_> {
         Some(Problem::warning(task.at.clone(), message).label("nothing orders this").hint(hint))
     }
 
-    fn input_text(&self, player: &Player<'_, '_>, input: InputId) -> String {
+    pub(super) fn input_text(&self, player: &Player<'_, '_>, input: InputId) -> String {
         format!("`{}`, which is on while {}", player.station.inputs[input.index()], self.shown(player.id, input))
     }
 
