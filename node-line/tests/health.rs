@@ -20,7 +20,8 @@ fn a_check_becomes_a_status_that_readers_take() {
 
 /// Names as nodes publish them: the node, and what is checked.
 fn published(line: &Line) -> Vec<String> {
-    let stations = line.stations.iter().flat_map(|station| STATION_CHECKS.map(|check| format!("{}: {check}", station.name)));
+    let stations =
+        line.stations.iter().flat_map(|station| STATION_CHECKS.map(|check| format!("{}: {check}", station.name)));
     let devices = line.devices.iter().map(|device| format!("coordinator: {}", device.name));
     OF_COORDINATOR.iter().map(|check| format!("coordinator: {check}")).chain(stations).chain(devices).collect()
 }

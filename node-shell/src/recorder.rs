@@ -55,7 +55,10 @@ impl JournalWriter {
     }
 
     fn of(path: &Path, (journal, record): (Journal, Option<Vec<u8>>)) -> (Self, Option<Vec<u8>>) {
-        (JournalWriter { path: path.to_owned(), state: WriterState::Idle(journal), times: RecordTimes::default() }, record)
+        (
+            JournalWriter { path: path.to_owned(), state: WriterState::Idle(journal), times: RecordTimes::default() },
+            record,
+        )
     }
 
     /// How long records took.
@@ -118,7 +121,7 @@ mod tests {
             recorder.begin(record);
             assert!(recorder.is_writing());
             recorder.begin(b"it is busy".to_vec());
-            let given_up = tokio::time::timeout(std::time::Duration::ZERO, recorder.written()).await;
+            let given_up = tokio::time::timeout(Duration::ZERO, recorder.written()).await;
             if given_up.is_err() {
                 recorder.written().await.expect("it writes");
             }

@@ -117,7 +117,12 @@ impl LineBudget {
     }
 }
 
-async fn publish_all(publisher: Publisher<Log>, logger: String, mut from: Receiver<LoggedLine>, left_out: Arc<AtomicU64>) {
+async fn publish_all(
+    publisher: Publisher<Log>,
+    logger: String,
+    mut from: Receiver<LoggedLine>,
+    left_out: Arc<AtomicU64>,
+) {
     let now = Instant::now();
     // A flood of news leaves room for what is wrong.
     let (mut news, mut warnings) = (LineBudget::new(now), LineBudget::new(now));

@@ -74,9 +74,8 @@ fn every_node_reports_itself_and_each_name_is_in_one_group() {
     let found = statuses(&stranger, &mut topic, |found| value(found, restarts).as_deref() == Some("1"));
     assert_eq!(value(&found, "clamp_1: restarts seen").as_deref(), Some("0"));
     operator.order("estop", StationState::MODE_ESTOP);
-    let is_error = |found: &BTreeMap<String, DiagnosticStatus>| {
-        level(found, "coordinator: mode") == Some(DiagnosticStatus::ERROR)
-    };
+    let is_error =
+        |found: &BTreeMap<String, DiagnosticStatus>| level(found, "coordinator: mode") == Some(DiagnosticStatus::ERROR);
     let found = statuses(&stranger, &mut topic, is_error);
     assert!(found["coordinator: mode"].message.contains("command estop"), "{:?}", found["coordinator: mode"]);
     rig.signal("INT");
@@ -140,7 +139,8 @@ fn programs_command_the_mode_by_the_rules_of_the_topic_and_are_answered() {
     let mut came = Vec::new();
     let is_there = |came: &[Log]| {
         let has = |name: &str, text: &str| came.iter().any(|line| line.name == name && line.msg.contains(text));
-        has("transfer_line.coordinator", "operator: auto, by 'scada': 'shift begins'") && has("transfer_line.mill_1", "mill")
+        has("transfer_line.coordinator", "operator: auto, by scada: shift begins")
+            && has("transfer_line.mill_1", "mill")
     };
     let end = Instant::now() + PATIENCE;
     while !is_there(&came) {

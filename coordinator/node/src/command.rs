@@ -1,9 +1,9 @@
 //! Commands in words: a mode for the line, or manual and auto for one station of it.
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_msgs::SetModeRequest as Request;
 use linewright_coordinator_shell::CoordinatorArrival;
 use linewright_line::{Line, suggestion};
+use linewright_msgs::SetModeRequest as Request;
 use linewright_node_line::quoted;
 
 /// The command of these words: `auto`, or `manual robot` for the station of that name.

@@ -12,8 +12,8 @@ use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
 use linewright_node_line::devices::Devices;
 use linewright_node_line::{HealthTopic, Waiting, open_buses};
 use linewright_node_shell::{
-    ChangeRequest, Forward, JournalError, JournalWriter, Lifecycle, OpenError, Parameters, Participant, Rosout, TopicError,
-    Watchdog, fresh_boot_id,
+    ChangeRequest, Forward, JournalError, JournalWriter, Lifecycle, OpenError, Parameters, Participant, Rosout,
+    TopicError, Watchdog, fresh_boot_id,
 };
 use linewright_parameters::ParameterSet;
 use linewright_station_shell::RecentGrowth;

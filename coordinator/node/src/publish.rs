@@ -3,10 +3,10 @@
 use std::time::SystemTime;
 
 use linewright_coordinator_logic::EStopCause;
+use linewright_coordinator_shell::{RefusalFacts, cell_check, commands_check};
 use linewright_line::{StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text};
 use linewright_node_line::mode_to_code;
-use linewright_coordinator_shell::{RefusalFacts, cell_check, commands_check};
 use linewright_node_shell::{JournalWriter, RecordTimes, stamp, unsent_messages};
 use linewright_station_shell::{JournalFacts, journal_check, messages_check};
 

@@ -5,8 +5,8 @@ use linewright_lifecycle::LifecycleState;
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{CycleTime, Flag, LineState, ModeOrder, ProcessImage, StationState, Text};
 use linewright_node_shell::{
-    Forward, MessagePace, MessageSource, Publisher, RosNode, TopicError, forward, forward_present, forward_timely, qos, stamp,
-    watch_middleware,
+    Forward, MessagePace, MessageSource, Publisher, RosNode, TopicError, forward, forward_present, forward_timely, qos,
+    stamp, watch_middleware,
 };
 use linewright_station_shell::ParticipantId;
 use tokio::sync::mpsc;

@@ -4,7 +4,9 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use linewright_coordinator_logic::{ModeCommand, ModeRefusal};
-use linewright_coordinator_node::{Refusals, StopTime, command_of, outputs_from_message, record_of, remembered, words_of};
+use linewright_coordinator_node::{
+    Refusals, StopTime, command_of, outputs_from_message, record_of, remembered, words_of,
+};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorRecord};
 use linewright_line::{StationId, Tick};
 use linewright_msgs::{LineState, ProcessImage, SetModeRequest};
@@ -97,7 +99,9 @@ fn a_refusal_that_asks_for_the_release_of_a_button_ends_with_it() {
 
 #[test]
 fn a_request_of_the_service_is_the_words_of_the_topic() {
-    let words = |command, station: &str| words_of(&SetModeRequest { command, station: station.to_owned(), ..Default::default() });
+    let words = |command, station: &str| {
+        words_of(&SetModeRequest { command, station: station.to_owned(), ..Default::default() })
+    };
     assert_eq!(words(SetModeRequest::ESTOP, "").as_deref(), Ok("estop"));
     assert_eq!(words(SetModeRequest::MANUAL, " clamp_1 ").as_deref(), Ok("manual clamp_1"));
     for (command, station) in (SetModeRequest::START..=SetModeRequest::RESET).map(|command| (command, "")) {

@@ -4,11 +4,11 @@
 use linewright_msgs::{
     ActivityState, AlarmState, Answer, Bounded, Byte, CellState, CoReadRequest, CoReadResponse, CoWriteIdRequest,
     CycleTime, DescribeParametersResponse, DiagnosticArray, DiagnosticStatus, DispatchOrderFeedback, DispatchOrderGoal,
-    DispatchOrderResult, Flag, FloatingPointRange,
-    GetAvailableTransitionsResponse, Header, IntegerRange, KeyValue, LineState, Log, ModeOrder, NodeState, NodeTransition,
-    OrderEnd, OrderState, Parameter, ParameterDescriptor, ParameterEvent, ParameterValue, PartState, ProcessImage,
-    ProductionRequest, ProductionState, RunTaskFeedback, RunTaskGoal, RunTaskResult, SecureOrder, SetModeRequest, SetModeResponse, StationEvent,
-    StationState, Text, Time, TransitionDescription, TransitionEvent, TriggerResponse,
+    DispatchOrderResult, Flag, FloatingPointRange, GetAvailableTransitionsResponse, Header, IntegerRange, KeyValue,
+    LineState, Log, ModeOrder, NodeState, NodeTransition, OrderEnd, OrderState, Parameter, ParameterDescriptor,
+    ParameterEvent, ParameterValue, PartState, ProcessImage, ProductionRequest, ProductionState, RunTaskFeedback,
+    RunTaskGoal, RunTaskResult, SecureOrder, SetModeRequest, SetModeResponse, StationEvent, StationState, Text, Time,
+    TransitionDescription, TransitionEvent, TriggerResponse,
 };
 
 pub fn header() -> Header {

@@ -11,8 +11,8 @@ use linewright_node_line::quoted;
 use linewright_node_line::{Confirmation, HealthTopic, Waiting, open_buses};
 use linewright_node_line::{order_from_message, report_from_message};
 use linewright_node_shell::{
-    ChangeRequest, Forward, JournalError, JournalWriter, Lifecycle, OpenError, Parameters, Participant, Rosout, TopicError,
-    Watchdog, fresh_boot_id, stamp,
+    ChangeRequest, Forward, JournalError, JournalWriter, Lifecycle, OpenError, Parameters, Participant, Rosout,
+    TopicError, Watchdog, fresh_boot_id, stamp,
 };
 use linewright_parameters::ParameterSet;
 use linewright_station_logic::{CompileError, LeaveWay, PanelCommand, Restore};
@@ -297,8 +297,7 @@ impl StationLoop {
             }
             self.act().await?;
             let devices_failed = self.devices.as_ref().is_some_and(Devices::is_failed);
-            let services_failed =
-                self.parameters.is_failed() || self.lifecycle.is_failed() || self.rosout.is_failed();
+            let services_failed = self.parameters.is_failed() || self.lifecycle.is_failed() || self.rosout.is_failed();
             if self.tasks.iter().any(Forward::is_finished) || devices_failed || services_failed {
                 return Err(self.cut_off());
             }

@@ -35,8 +35,10 @@ impl StationLoop {
         let mut checks = self.shell.health(&self.line, now, facts);
         // A record that cannot be written ends the node.
         let journal = self.journal.as_ref().map(JournalWriter::times);
-        let journal = journal.map_or(JournalFacts::None, |RecordTimes { records, last, longest }| {
-            JournalFacts::Kept { records, last, longest }
+        let journal = journal.map_or(JournalFacts::None, |RecordTimes { records, last, longest }| JournalFacts::Kept {
+            records,
+            last,
+            longest,
         });
         checks.push(journal_check(journal, self.line.timing.refresh));
         let (ignored, unsent) = (self.shell.ignored(), unsent_messages());

@@ -19,9 +19,7 @@ mod rules;
 mod shell;
 
 pub use effect::{Driven, InputsMessage, ParticipantId, StationArrival, StationEffect};
-pub use health::{
-    HealthCheck, HealthLevel, JournalFacts, RecentGrowth, STATION_CHECKS, journal_check, messages_check,
-};
+pub use health::{HealthCheck, HealthLevel, JournalFacts, RecentGrowth, STATION_CHECKS, journal_check, messages_check};
 pub use held::{HeldByOne, HeldPass};
 pub use newest::NewestBySequence;
 pub use rivals::{RivalLife, Rivals};

@@ -28,7 +28,10 @@ fn a_station_that_has_received_nothing_says_so_and_is_in_no_check_ok() {
     rig.restart();
     let checks = rig.shell.health(&rig.line, rig.now, QUIET);
     assert!(checks.iter().all(|check| check.level != HealthLevel::Ok), "{checks:?}");
-    assert_eq!(check(&rig, "coordinator", QUIET).message, "no order of the mode received for this start of the station");
+    assert_eq!(
+        check(&rig, "coordinator", QUIET).message,
+        "no order of the mode received for this start of the station"
+    );
     assert_eq!(value(&check(&rig, "operation", QUIET), "age of the input image"), "none received");
     assert_eq!(check(&rig, "stations", QUIET).message, "not received: transfer, mill_1");
 }
@@ -65,7 +68,10 @@ fn a_node_that_is_not_active_is_to_be_looked_at_and_says_what_leads_on() {
     let mut rig = Rig::new();
     rig.shell.deactivate(LifecycleState::Inactive, &mut rig.effects);
     let inactive = check(&rig, "operation", QUIET);
-    assert_eq!((inactive.level, inactive.message.as_str()), (HealthLevel::Warn, "node inactive: activate it (ros2 lifecycle set)"));
+    assert_eq!(
+        (inactive.level, inactive.message.as_str()),
+        (HealthLevel::Warn, "node inactive: activate it (ros2 lifecycle set)")
+    );
     rig.pass(rig.timing().lease);
     assert_eq!(check(&rig, "coordinator", QUIET).level, HealthLevel::Warn, "it hears no mode, as it is to");
 }

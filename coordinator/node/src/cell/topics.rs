@@ -3,12 +3,12 @@
 use linewright_coordinator_cell::{OrderKey, OrderMessage};
 use linewright_line::{Line, StationId};
 use linewright_msgs::{
-    AnswerAlarm, CellState, ChangeOrder, DispatchOrder, DispatchOrderGoal, OrderState, RunTask, SecureOrder, SetResource, SetResourceRequest,
-    StationState, SubmitOrders, SubmitOrdersRequest, WhyNot,
+    AnswerAlarm, CellState, ChangeOrder, DispatchOrder, DispatchOrderGoal, OrderState, RunTask, SecureOrder,
+    SetResource, SetResourceRequest, StationState, SubmitOrders, SubmitOrdersRequest, WhyNot,
 };
 use linewright_node_shell::{
-    ActionCaller, ActionOwner, Forward, GoalRequest, Mapping, MessagePace, Publisher, RosNode, ServiceReply, TopicError,
-    forward_present, qos, serve, serve_action,
+    ActionCaller, ActionOwner, Forward, GoalRequest, Mapping, MessagePace, Publisher, RosNode, ServiceReply,
+    TopicError, forward_present, qos, serve, serve_action,
 };
 use linewright_orders::LeaveWay;
 use tokio::sync::mpsc;
