@@ -15,6 +15,7 @@ mod console;
 mod deploy;
 mod described;
 mod devices;
+mod diagnostics;
 mod expand;
 mod files;
 mod frames;
@@ -110,6 +111,8 @@ enum CliCommand {
     Console(console::Args),
     /// Inspect and command the nodes of a CAN bus: scan, status, nmt, sdo, monitor, record, replay.
     Can(can::CanArgs),
+    /// Print the file by which diagnostic_aggregator of ROS 2 groups the diagnostics of a line.
+    Diagnostics(diagnostics::Args),
     /// List the ROS 2 messages, services and actions of a line with their type hashes, or show one.
     Interface(interface::Args),
     /// Write for each host of a line what is to be installed on it: description, services and their settings.
@@ -225,6 +228,7 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
         CliCommand::Console(args) => logged(&ros, || asynchronous(async { console::run(args, &ros).await })),
         CliCommand::Can(args) => asynchronous(async move { can::run(args, &ros).await }),
+        CliCommand::Diagnostics(args) => diagnostics::run(&args),
         CliCommand::Interface(args) => interface::run(&args),
         CliCommand::Deploy(args) => deploy::run(&args, &ros),
         CliCommand::Schema(args) => schema::run(&args),

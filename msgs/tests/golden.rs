@@ -79,6 +79,14 @@ fn version_1() {
     let (transitions, event) = samples::lifecycle();
     holds("v1", transitions);
     holds("v1", event);
+    let (command, answer) = samples::set_mode();
+    holds("v1", command);
+    holds("v1", answer);
+    let (goal, result, feedback) = samples::dispatch_order();
+    holds("v1", goal);
+    holds("v1", result);
+    holds("v1", feedback);
+    holds("v1", samples::log_line());
 }
 
 /// Mode orders found generations, name stations that are in emergency stop or in manual by themselves, carry resume, and name the

@@ -5,18 +5,22 @@
 //! - [`Confirmation`]: where a station stands, as the text of a message;
 //! - [`open_buses`]: the field buses of a node, whichever kinds;
 //! - [`devices`]: devices on their buses as ROS 2 sees them;
+//! - [`HealthTopic`]: the checks of a node as its diagnostics;
 //! - [`Waiting`]: what arrives while a record is being written;
 //! - [`quoted`]: foreign words, made fit for an answer.
 //!
 //! It decides nothing.
 
+mod aggregator;
 mod buses;
 mod confirmation;
 mod convert;
 pub mod devices;
 mod foreign;
+mod health;
 mod waiting;
 
+pub use aggregator::{DiagnosticGroup, aggregator_file, diagnostic_groups};
 pub use buses::open_buses;
 pub use confirmation::{Confirmation, ConfirmationError};
 pub use convert::{
@@ -24,4 +28,5 @@ pub use convert::{
     order_from_message, report_from_message, report_to_message,
 };
 pub use foreign::quoted;
+pub use health::{HealthTopic, status_message};
 pub use waiting::Waiting;

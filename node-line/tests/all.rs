@@ -4,3 +4,4 @@ mod confirmation;
 mod convert;
 mod devices;
 mod foreign;
+mod health;

@@ -1,4 +1,4 @@
-//! Logging to stderr.
+//! Logging to stderr, and to [`/rosout`](crate::Rosout).
 //!
 //! Nothing here waits for the reader of the log, nor ends when it cannot be written (see [`LossyWriter`]); a panic's
 //! message goes the same way.
@@ -8,13 +8,16 @@
 
 use crate::LogLevel;
 use crate::lossy::LossyWriter;
+use crate::rosout::RosoutLayer;
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::fmt::Arguments;
 use std::io::{self, IsTerminal, Write};
 use std::sync::{LazyLock, OnceLock};
 use std::time::Duration;
 use thiserror::Error;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
+use tracing_subscriber::{EnvFilter, reload};
 
 /// Why logging was not set up.
 #[derive(Debug, Error)]
@@ -69,17 +72,16 @@ pub fn init(level: Option<LogLevel>) -> Result<(), LoggingError> {
         None => EnvFilter::try_new(directives(level.unwrap_or(LogLevel::Info)))?,
     };
     let log = STDERR.as_ref().map_err(|error| LoggingError::Thread(error.to_string()))?;
-    let subscriber = tracing_subscriber::fmt()
-        .with_env_filter(filter)
+    let (filter, handle) = reload::Layer::new(filter);
+    let lines = tracing_subscriber::fmt::layer()
         .with_writer(log.clone())
         // A log file has no colours.
         .with_ansi(io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()))
         // Errors of its own it prints to stderr, and panics where that cannot be written.
         .log_internal_errors(false)
-        .with_target(false)
-        .with_filter_reloading();
-    let handle = subscriber.reload_handle();
-    subscriber.try_init().map_err(LoggingError::Twice)?;
+        .with_target(false);
+    let subscriber = tracing_subscriber::registry().with(filter).with(lines).with(RosoutLayer);
+    subscriber.try_init().map_err(|error| LoggingError::Twice(error.into()))?;
     let reload = move |filter| {
         if let Err(error) = handle.reload(filter) {
             tracing::warn!("the log level stays: {error}");

@@ -10,7 +10,7 @@
 
 use std::time::Duration;
 
-use linewright_msgs::RosMessage;
+use linewright_msgs::{RosMessage, Time};
 use rustix::time::{ClockId, clock_gettime};
 use tokio::sync::mpsc;
 
@@ -130,6 +130,25 @@ impl PerPublisher<CommandDelay> {
     /// Of a message without a stamp, as no ROS 2 middleware sends, no delay is known.
     fn offer(&mut self, now: Duration, source: &MessageSource) -> bool {
         source.sent_ns.is_none_or(|sent| self.of(now, source.publisher).offer(now, sent as f64 / 1e9))
+    }
+}
+
+/// Which commands of clients come in time, by stamps of their own: a service's requests have none of the middleware's.
+pub struct ClientDelays(PerPublisher<CommandDelay>);
+
+impl Default for ClientDelays {
+    fn default() -> Self {
+        ClientDelays(PerPublisher::new(CommandDelay::new()))
+    }
+}
+
+impl ClientDelays {
+    /// Takes the stamp of a request, by the clock of the client with this identity; gives whether it has come at most two seconds later
+    /// than the fastest of that client. Of a request without a stamp (0) no delay is known.
+    pub fn offer(&mut self, client: [u8; 16], stamp: &Time) -> bool {
+        let at = f64::from(stamp.sec) + f64::from(stamp.nanosec) / 1e9;
+        let now = boottime();
+        *stamp == Time::default() || self.0.of(now, client).offer(now, at)
     }
 }
 
@@ -282,6 +301,18 @@ mod tests {
         let set = (0..121).map(|nth| (4_010_000 + nth * 50, 410_000 + nth * 50));
         let obeyed = obeyed([(4_000_000, 4_000_000)].into_iter().chain(set));
         assert!(obeyed[0] && !obeyed[1..101].contains(&true) && obeyed[102..].iter().all(|obeyed| *obeyed));
+    }
+
+    #[test]
+    fn a_request_that_comes_late_is_seen_by_its_own_stamp_and_one_without_is_not() {
+        let mut delays = ClientDelays::default();
+        let now = boottime().as_secs();
+        let stamp = |late: u64| Time { sec: i32::try_from(now + 1_000_000 - late).expect("in time"), nanosec: 0 };
+        assert!(delays.offer([1; 16], &stamp(0)));
+        assert!(!delays.offer([1; 16], &stamp(10)));
+        assert!(delays.offer([2; 16], &stamp(10)), "another client, with a clock of its own");
+        assert!(delays.offer([1; 16], &Time::default()));
+        assert!(delays.offer([1; 16], &stamp(1)));
     }
 
     /// A clock that is slow by 50 millionths, and a command a day.

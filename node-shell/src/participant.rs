@@ -113,7 +113,7 @@ impl Participant {
         let full = names::expand(&name, &namespace, &name)?;
         let failed = |reason: String| OpenError::Node { name: full.clone(), reason };
         let node_name = NodeName::new(&namespace, &name).map_err(|e| failed(e.to_string()))?;
-        let options = NodeOptions::new().start_parameter_services(false);
+        let options = NodeOptions::new().start_parameter_services(false).enable_rosout(false);
         let inner = self.context.new_node(node_name, options).map_err(|e| failed(e.to_string()))?;
         Ok(RosNode { inner, args: self.args.clone(), namespace, name, _relay: self.relay.clone() })
     }

@@ -23,6 +23,14 @@ pub enum SendError {
     },
 }
 
+/// Messages that no publisher of this process could send.
+static UNSENT: AtomicU64 = AtomicU64::new(0);
+
+/// Messages that the publishers of this process could not send, of all its nodes.
+pub fn unsent_messages() -> u64 {
+    UNSENT.load(Ordering::Relaxed)
+}
+
 /// Sends messages of one type to one topic.
 pub struct Publisher<T: RosMessage> {
     inner: ros2_client::Publisher<T>,
@@ -55,6 +63,7 @@ impl<T: RosMessage> Publisher<T> {
             }
             Err(error) => {
                 self.failed.fetch_add(1, Ordering::Relaxed);
+                UNSENT.fetch_add(1, Ordering::Relaxed);
                 Err(match error {
                     WriteError::WouldBlock { .. } => SendError::WindowFull { topic: self.topic.clone() },
                     other => SendError::Middleware { topic: self.topic.clone(), reason: other.to_string() },

@@ -1,4 +1,4 @@
-//! The five qualities of service a line uses. Always named, never defaulted.
+//! The six qualities of service a line uses. Always named, never defaulted.
 //!
 //! The client library's default subscription is best effort with depth 1, which silently loses what
 //! rclcpp's default would not. So every topic takes one of these, and writer and reader of a topic
@@ -10,6 +10,7 @@
 //! | [`latched_state`] | reliable | transient local | keep last 1 | whole states |
 //! | [`command`] | reliable | volatile | keep last 1 | operator commands |
 //! | [`event`] | reliable | volatile | keep last 100 | what happened |
+//! | [`log`] | reliable | transient local | keep last 100 | lines of the log, of which late readers see the last |
 //! | [`service`] | reliable | volatile | keep last 10 | requests and answers, as rclcpp has them |
 //! | [`repeated`] | best effort | volatile | keep last 1 | mode orders, and process images at the scan rate |
 //!
@@ -43,6 +44,11 @@ pub const fn command() -> QosProfile {
 /// Events, with room for a burst.
 pub const fn event() -> QosProfile {
     reliable(Durability::Volatile, 100)
+}
+
+/// Lines of the log: readers take them by this durability, or none.
+pub const fn log() -> QosProfile {
+    reliable(Durability::TransientLocal, 100)
 }
 
 /// Requests and their answers.

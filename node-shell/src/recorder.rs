@@ -4,6 +4,7 @@
 //! in what must not wait, and turn outputs off.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use tokio::task::JoinHandle;
 
@@ -14,12 +15,24 @@ use crate::journal::{Journal, JournalError};
 pub struct JournalWriter {
     path: PathBuf,
     state: WriterState,
+    times: RecordTimes,
+}
+
+/// How long records took to be written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RecordTimes {
+    /// Records written by this writer.
+    pub records: u64,
+    /// Time of the last one.
+    pub last: Duration,
+    /// The longest time of one.
+    pub longest: Duration,
 }
 
 #[derive(Debug)]
 enum WriterState {
     Idle(Journal),
-    Writing(JoinHandle<(Journal, Result<(), JournalError>)>),
+    Writing(JoinHandle<(Journal, Duration, Result<(), JournalError>)>),
     /// The thread that wrote has panicked, and the journal is gone with it.
     Lost,
 }
@@ -42,7 +55,15 @@ impl JournalWriter {
     }
 
     fn of(path: &Path, (journal, record): (Journal, Option<Vec<u8>>)) -> (Self, Option<Vec<u8>>) {
-        (JournalWriter { path: path.to_owned(), state: WriterState::Idle(journal) }, record)
+        (
+            JournalWriter { path: path.to_owned(), state: WriterState::Idle(journal), times: RecordTimes::default() },
+            record,
+        )
+    }
+
+    /// How long records took.
+    pub fn times(&self) -> RecordTimes {
+        self.times
     }
 
     /// Whether a record is being written.
@@ -55,8 +76,9 @@ impl JournalWriter {
     pub fn begin(&mut self, record: Vec<u8>) {
         self.state = match std::mem::replace(&mut self.state, WriterState::Lost) {
             WriterState::Idle(mut journal) => WriterState::Writing(tokio::task::spawn_blocking(move || {
+                let begun = Instant::now();
                 let written = journal.write(&record);
-                (journal, written)
+                (journal, begun.elapsed(), written)
             })),
             busy => busy,
         };
@@ -72,11 +94,14 @@ impl JournalWriter {
             WriterState::Writing(writing) => writing.await.ok(),
             WriterState::Lost => None,
         };
-        let Some((journal, written)) = ended else {
+        let Some((journal, took, written)) = ended else {
             self.state = WriterState::Lost;
             return Err(JournalError::Thread { path: self.path.clone() });
         };
         self.state = WriterState::Idle(journal);
+        self.times.last = took;
+        self.times.longest = self.times.longest.max(took);
+        self.times.records += u64::from(written.is_ok());
         written
     }
 }
@@ -96,13 +121,15 @@ mod tests {
             recorder.begin(record);
             assert!(recorder.is_writing());
             recorder.begin(b"it is busy".to_vec());
-            let given_up = tokio::time::timeout(std::time::Duration::ZERO, recorder.written()).await;
+            let given_up = tokio::time::timeout(Duration::ZERO, recorder.written()).await;
             if given_up.is_err() {
                 recorder.written().await.expect("it writes");
             }
             assert!(!recorder.is_writing());
         }
         assert_eq!(Journal::open(&path).expect("it opens").1, Some(b"second".to_vec()));
+        let times = recorder.times();
+        assert!(times.records == 2 && times.longest >= times.last && !times.last.is_zero(), "{times:?}");
     }
 
     #[tokio::test]

@@ -25,7 +25,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use tokio::sync::mpsc;
 
 use crate::bytes::{Bytes, exactly};
-use crate::subscription::Forward;
+use crate::subscription::{Forward, participant_of};
 
 /// Bytes of Cyclone's header: half of the client's identity, and the number of the request.
 const HEADER: usize = 16;
@@ -116,6 +116,16 @@ impl<S: RosService> fmt::Debug for ServiceReply<S> {
 }
 
 impl<S: RosService> ServiceReply<S> {
+    /// Identity of the client: one per client and start of its process.
+    pub fn client(&self) -> [u8; 16] {
+        self.to.writer_gid.to_bytes16()
+    }
+
+    /// The participant that the client belongs to, as [`MessageSource::participant`](crate::MessageSource::participant).
+    pub fn participant(&self) -> [u8; 12] {
+        participant_of(&self.client())
+    }
+
     /// Sends the answer. Never waits; a client that has gone meanwhile gets none.
     pub fn send(self, response: S::Response) {
         let ServiceReply { server, to, header, held, .. } = self;

@@ -8,10 +8,12 @@
 
 use linewright_lifecycle::LifecycleOutcome;
 use linewright_msgs::{
-    Answer, CORead, CoReadRequest, CoReadResponse, RunTask, RunTaskFeedback, RunTaskResult, StationState, Text,
+    Answer, CORead, CoReadRequest, CoReadResponse, RunTask, RunTaskFeedback, RunTaskResult, SetMode, SetModeRequest,
+    SetModeResponse, StationState, Text, Time,
 };
 use linewright_node_shell::{
-    GoalAsked, GoalEnd, GoalRequest, Lifecycle, Parameters, Participant, RosArgs, qos, serve, serve_action, stamp,
+    GoalAsked, GoalEnd, GoalRequest, Lifecycle, Parameters, Participant, RosArgs, Rosout, init_logging, qos, serve,
+    serve_action, stamp,
 };
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
@@ -73,6 +75,7 @@ fn inside_the_namespace() {
     runtime.block_on(an_action_is_asked_for());
     runtime.block_on(parameters_are_asked_for_and_set());
     runtime.block_on(the_state_of_a_node_is_asked_for_and_changed());
+    runtime.block_on(a_command_is_given_and_the_log_is_read());
 }
 
 async fn both_ways() {
@@ -246,6 +249,42 @@ async fn the_state_of_a_node_is_asked_for_and_changed() {
     ];
     assert_eq!(said.lines().collect::<Vec<_>>(), expected);
     assert!(!lifecycle.is_failed());
+}
+
+/// As rclpy under rmw_cyclonedds does it; the log as rclcpp reads it, lines from before it joined included.
+async fn a_command_is_given_and_the_log_is_read() {
+    init_logging(None).expect("logging");
+    let participant = Participant::open(&RosArgs::default()).expect("participant");
+    let mut node = participant.node("/transfer_line", "coordinator").expect("node");
+    let rosout = Rosout::open(&mut node).expect("the log");
+    let service = node.service::<SetMode>("~/set_mode").expect("service");
+    let (to, mut from) = tokio::sync::mpsc::channel(16);
+    let _task = serve(service, to, |asked: SetModeRequest, reply| (asked, reply));
+    tracing::warn!(target: "linewright_test", count = 3, "a late reader has it");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/interop/commands.py");
+    let peer = Command::new(python()).args([script, "0"]).stdout(Stdio::piped()).spawn().expect("the peer starts");
+    let ended = tokio::task::spawn_blocking(move || peer.wait_with_output());
+    while !ended.is_finished() {
+        if let Ok(Some((asked, reply))) = timeout(Duration::from_millis(100), from.recv()).await {
+            let expected = SetModeRequest {
+                command: SetModeRequest::MANUAL,
+                station: "robot".into(),
+                stamp: Time { sec: 1_700_000_000, nanosec: 5 },
+                by: "ada".into(),
+                note: "a part lies there".into(),
+            };
+            assert_eq!(asked, expected);
+            assert_ne!(reply.participant(), [0; 12]);
+            reply.send(SetModeResponse { accepted: false, reason: "robot: moving".into(), epoch: u64::MAX - 3 });
+        }
+    }
+    let said = String::from_utf8(ended.await.expect("waited for").expect("its output").stdout).expect("text");
+    println!("Cyclone DDS gave a command and read the log:\n{said}");
+    let mut lines: Vec<&str> = said.lines().collect();
+    lines.sort_unstable();
+    let answer = format!("answer True False robot: moving {}", u64::MAX - 3);
+    assert_eq!(lines, [answer.as_str(), "log 30 transfer_line.coordinator a late reader has it count=3 True"]);
+    assert!(!rosout.is_failed());
 }
 
 fn state() -> StationState {

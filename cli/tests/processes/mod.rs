@@ -24,6 +24,7 @@ mod modbus;
 mod operated;
 mod other_devices;
 mod parameters;
+mod programs;
 mod recovered;
 mod remaps;
 mod rubbish;

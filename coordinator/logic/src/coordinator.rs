@@ -365,7 +365,7 @@ impl Coordinator {
     }
 
     fn unheard(&self) -> Vec<ModeRefusal> {
-        self.counted().filter(|(_, s)| !self.is_known(s)).map(|(id, s)| self.silence(id, s)).collect()
+        self.counted().filter(|(_, s)| !self.is_known(s)).map(|(id, _)| self.silence(id)).collect()
     }
 
     /// Plays the net until no arc is allowed. A command is used by the first arc that takes it.

@@ -3,6 +3,7 @@
 use linewright_coordinator_logic::ModeCommand;
 use linewright_coordinator_shell::CoordinatorArrival;
 use linewright_line::{Line, suggestion};
+use linewright_msgs::SetModeRequest as Request;
 use linewright_node_line::quoted;
 
 /// The command of these words: `auto`, or `manual robot` for the station of that name.
@@ -31,4 +32,26 @@ pub fn command_of(line: &Line, words: &str) -> Result<CoordinatorArrival, String
         format!("no station '{}'; {}", quoted(name), suggestion(name, names()).unwrap_or_else(all))
     })?;
     Ok(CoordinatorArrival::Single(id, is_manual))
+}
+
+/// The command of a request, in the words of the topic.
+///
+/// # Errors
+/// When its number is none of a command.
+pub fn words_of(request: &Request) -> Result<String, String> {
+    let command = match request.command {
+        Request::START => ModeCommand::Start,
+        Request::STOP => ModeCommand::Stop,
+        Request::AUTO => ModeCommand::Auto,
+        Request::HAND => ModeCommand::Hand,
+        Request::MANUAL => ModeCommand::Manual,
+        Request::ESTOP => ModeCommand::EStop,
+        Request::RESET => ModeCommand::Reset,
+        other => {
+            let (first, last) = (Request::START, Request::RESET);
+            return Err(format!("unknown command {other}; commands: START ({first}) to RESET ({last})"));
+        }
+    };
+    let station = request.station.trim();
+    Ok(if station.is_empty() { command.name().to_owned() } else { format!("{} {station}", command.name()) })
 }

@@ -6,11 +6,13 @@
 //! in [`linewright_coordinator_logic::Coordinator`]; this crate performs it. Of a flexible cell
 //! [`cell`] keeps on disk what happens, of a line [`mod@line`].
 
+mod arrivals;
 pub mod cell;
 mod command;
 mod gateway_topics;
 mod lifecycle;
 pub mod line;
+mod mode_services;
 mod node;
 mod publish;
 mod refusals;
@@ -20,7 +22,7 @@ mod stop_time;
 mod topics;
 mod waiting;
 
-pub use command::command_of;
+pub use command::{command_of, words_of};
 pub use gateway_topics::outputs_from_message;
 pub use node::{CoordinatorNodeError, CoordinatorOptions, run};
 pub use refusals::Refusals;

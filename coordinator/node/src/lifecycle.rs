@@ -33,7 +33,7 @@ impl CoordinatorLoop {
     fn work_of(&mut self, state: LifecycleState) -> LifecycleOutcome {
         let obstacle = match state {
             LifecycleState::Configuring => self.shell.against_configuring(),
-            LifecycleState::Activating => self.shell.against_activity(self.clock.now()),
+            LifecycleState::Activating => self.shell.against_requests(self.clock.now()),
             _ => None,
         };
         let Some(obstacle) = obstacle else { return LifecycleOutcome::Success };

@@ -4,32 +4,32 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::{ModeRefusal, RefusedCommand, StationView};
 use linewright_coordinator_shell::parameters::{MODE_TEXT_EVERY_S, MODE_TEXT_PERIOD};
-use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
+use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage};
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
 use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
-use linewright_node_line::devices::{Devices, in_words};
-use linewright_node_line::{Waiting, open_buses, quoted, report_from_message};
+use linewright_node_line::devices::Devices;
+use linewright_node_line::{HealthTopic, Waiting, open_buses};
 use linewright_node_shell::{
-    ChangeRequest, Forward, JournalError, JournalWriter, Lifecycle, OpenError, Parameters, Participant, TopicError,
-    Watchdog, fresh_boot_id,
+    ChangeRequest, Forward, JournalError, JournalWriter, Lifecycle, OpenError, Parameters, Participant, Rosout,
+    TopicError, Watchdog, fresh_boot_id,
 };
 use linewright_parameters::ParameterSet;
+use linewright_station_shell::RecentGrowth;
 use linewright_station_shell::parameters::DIAGNOSTICS_PERIOD;
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
 use crate::cell::{CellError, CellNodeOptions, CellThread};
-use crate::command::command_of;
-use crate::gateway_topics::{GatewayTopics, inputs_message, outputs_from_message};
+use crate::gateway_topics::{GatewayTopics, inputs_message};
 use crate::line::LineHistory;
+use crate::mode_services::TakenCommand;
 use crate::refusals::Refusals;
 use crate::remembered::remembered;
 use crate::situation::LineSituation;
 use crate::stop_time::StopTime;
-use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, inactive, open};
+use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open};
 
 /// Reason why the coordinator's node cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -117,7 +117,7 @@ pub(crate) enum Recorded {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fingerprints {
     /// Of the line alone, which is what stations are started with.
-    line: u64,
+    pub(crate) line: u64,
     /// Of the cell with its line; of the line where there is none.
     pub(crate) whole: u64,
 }
@@ -146,18 +146,24 @@ pub(crate) struct CoordinatorLoop {
     tasks: Vec<Forward>,
     pub(crate) behind: Vec<GatewayTopics>,
     /// Diagnostics of the devices of stations that have a bus of their own, as published by them.
-    troubles: Vec<String>,
+    pub(crate) troubles: Vec<String>,
     /// Situation of the line, for the cell or the database.
     pub(crate) situation: LineSituation,
     /// The database of a line; none where there is a cell, or none can be used.
     pub(crate) history: Option<LineHistory>,
     pub(crate) refusals: Refusals,
+    /// Commands by services that are not answered yet.
+    pub(crate) taken: Vec<TakenCommand>,
     pub(crate) stop_time: StopTime,
     pub(crate) text: String,
     pub(crate) text_due: Tick,
     /// Period of the mode as text while it does not change.
     pub(crate) text_every: Duration,
-    ignored: u64,
+    pub(crate) ignored: u64,
+    pub(crate) health: HealthTopic,
+    rosout: Rosout,
+    /// Messages ignored or not sent.
+    pub(crate) lost: RecentGrowth,
     has_ended: bool,
     parameters: Parameters,
     pub(crate) lifecycle: Lifecycle,
@@ -191,7 +197,9 @@ impl CoordinatorLoop {
         tracing::info!("line devices on {}", buses.describe());
         let mut node = participant.node(&format!("/{}", line.name), "coordinator")?;
         let (says, from, tasks) = open(&mut node, &line)?;
-        let devices = Devices::open(&mut node, &line, on_bus)?;
+        let rosout = Rosout::open(&mut node)?;
+        let health = HealthTopic::open(&mut node, &line.name)?;
+        let devices = Devices::open(&mut node, health.publisher(), &line, on_bus)?;
         let mut behind = Vec::new();
         for station in line.station_ids().filter(|&id| line.station(id).bus == DeviceBus::Line) {
             behind.push(GatewayTopics::open(&mut node, &line, station)?);
@@ -220,11 +228,15 @@ impl CoordinatorLoop {
             situation: LineSituation::new(line.stations.len()),
             history,
             refusals: Refusals::default(),
+            taken: Vec::new(),
             stop_time: StopTime::default(),
             text: String::new(),
             text_due: Tick::ZERO,
             text_every: Duration::from_secs_f64(MODE_TEXT_EVERY_S),
             ignored: 0,
+            health,
+            rosout,
+            lost: RecentGrowth::default(),
             has_ended: false,
             clock,
             line,
@@ -243,6 +255,7 @@ impl CoordinatorLoop {
     fn follow_parameters(&mut self) {
         if let Some(every) = self.parameters.seconds(DIAGNOSTICS_PERIOD.name) {
             self.devices.report_every(every);
+            self.health.report_every(every);
         }
         if let Some(every) = self.parameters.seconds(MODE_TEXT_PERIOD.name) {
             self.text_every = every;
@@ -255,6 +268,7 @@ impl CoordinatorLoop {
         loop {
             watchdog.feed();
             let due = self.shell.next_deadline(self.clock.now()).min(self.devices.deadline());
+            let due = due.min(self.health.deadline());
             let deadline = if self.waiting.is_empty() && self.asked.is_none() { due } else { Tick::ZERO };
             tokio::select! {
                 biased;
@@ -290,6 +304,7 @@ impl CoordinatorLoop {
             }
             let cut_off = self.cell.as_ref().is_some_and(CellThread::is_cut_off);
             let has_failed = self.devices.is_failed() || self.parameters.is_failed() || self.lifecycle.is_failed();
+            let has_failed = has_failed || self.rosout.is_failed();
             if self.tasks.iter().any(Forward::is_finished) || has_failed || cut_off {
                 return Err(CoordinatorNodeError::Middleware);
             }
@@ -303,73 +318,8 @@ impl CoordinatorLoop {
         }
     }
 
-    fn handle(&mut self, arrival: CoordinatorArrival) {
+    pub(crate) fn handle(&mut self, arrival: CoordinatorArrival) {
         self.shell.handle(self.clock.now(), arrival);
-    }
-
-    pub(crate) fn arrived(&mut self, arrived: CoordinatorInbound) {
-        match arrived {
-            CoordinatorInbound::Command(words) => match command_of(&self.line, &words) {
-                Ok(command) => {
-                    tracing::info!("operator: {}", quoted(words.trim()));
-                    self.handle(command);
-                }
-                Err(unknown) => self.refuse(unknown, String::new(), &[]),
-            },
-            CoordinatorInbound::Buttons { console, names } => match self.buttons(&names) {
-                Ok(held) => self.handle(CoordinatorArrival::Buttons { console, held }),
-                Err(unknown) => self.refuse(unknown, String::new(), &[]),
-            },
-            CoordinatorInbound::Resume { console, held } => {
-                self.handle(CoordinatorArrival::Resume { console, held });
-            }
-            CoordinatorInbound::Order { boot_id, sequence } => {
-                self.handle(CoordinatorArrival::Order { boot_id, sequence })
-            }
-            CoordinatorInbound::State(message) => {
-                match report_from_message((&self.line, self.descriptions.line), &message) {
-                    Ok((station, report)) => {
-                        let (sequence, follows) = (message.sequence, message.coordinator_boot_id);
-                        if let Some(history) = &mut self.history {
-                            history.state(self.clock.now(), station, &message);
-                        }
-                        let heard = StationView { follows, inactive: inactive(&message), ..heard(&report) };
-                        if !self.shell.handle(self.clock.now(), CoordinatorArrival::State { station, sequence, heard })
-                        {
-                            let (epoch, name) = (heard.mode_epoch, &message.station);
-                            self.ignore(format_args!("mode epoch {epoch} of {name} is beyond any: start it again"));
-                        }
-                    }
-                    Err(error) => self.ignore(error),
-                }
-            }
-            CoordinatorInbound::Trouble(station, text) => self.troubles[station.index()] = text,
-            CoordinatorInbound::Outputs(station, message) => {
-                match outputs_from_message(&self.line.station(station).name, self.descriptions.line, &message) {
-                    Ok(image) => {
-                        self.handle(CoordinatorArrival::Outputs { station, sequence: message.sequence, image });
-                    }
-                    Err(error) => self.ignore(error),
-                }
-            }
-        }
-    }
-
-    fn buttons(&self, names: &str) -> Result<u32, String> {
-        let mut held = 0;
-        for name in names.split_whitespace() {
-            let index = self.line.buttons.iter().position(|button| button == name);
-            let known = || self.line.buttons.join(", ");
-            let index = index.ok_or_else(|| format!("'{}' is no button; buttons are {}", quoted(name), known()))?;
-            held |= 1 << index;
-        }
-        Ok(held)
-    }
-
-    /// Counts a refusal. `command`: the command as it was sent; empty where something else was refused.
-    fn refuse(&mut self, text: String, command: String, reasons: &[ModeRefusal]) {
-        self.refusals.refuse(self.clock.now(), text, command, reasons);
-        self.shell.answer_soon();
     }
 
     pub(crate) fn bus_news(&mut self, news: &[News]) {
@@ -404,7 +354,9 @@ impl CoordinatorLoop {
         while self.is_interrupted().await? {
             self.take();
         }
+        self.answer_commands();
         self.tell_situation(self.clock.now());
+        self.tell_health(self.clock.now());
         Ok(())
     }
 
@@ -472,14 +424,6 @@ impl CoordinatorLoop {
                 self.history.iter_mut().for_each(|history| history.cycle(now, cycle));
             }
         }
-    }
-
-    fn refused(&mut self, refusal: &RefusedCommand) {
-        let text = refusal.text_with(&self.line, |owner| match owner {
-            Owner::Station(id) if !self.troubles[id.index()].is_empty() => self.troubles[id.index()].clone(),
-            owner => in_words(&self.buses, owner),
-        });
-        self.refuse(text, refusal.command.words(&self.line), &refusal.reasons);
     }
 
     fn send_inputs(&mut self, station: StationId, sequence: u64, image: InputsImage) {

@@ -3,10 +3,12 @@
 use std::time::SystemTime;
 
 use linewright_coordinator_logic::EStopCause;
+use linewright_coordinator_shell::{RefusalFacts, cell_check, commands_check};
 use linewright_line::{StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text};
 use linewright_node_line::mode_to_code;
-use linewright_node_shell::stamp;
+use linewright_node_shell::{JournalWriter, RecordTimes, stamp, unsent_messages};
+use linewright_station_shell::{JournalFacts, journal_check, messages_check};
 
 use crate::node::CoordinatorLoop;
 use crate::topics::standing_message;
@@ -73,5 +75,25 @@ impl CoordinatorLoop {
             waiting_for: names(coordinator.waiting_for()),
             ..self.refusals.message(now, standing_message(&self.line, coordinator.standing()))
         });
+    }
+
+    /// Publishes the checks of the node, where they are due.
+    pub(crate) fn tell_health(&mut self, now: Tick) {
+        if now < self.health.deadline() {
+            return;
+        }
+        let mut checks = self.shell.health(&self.line, now, &self.text);
+        let journal = match self.journal.as_ref().map(JournalWriter::times) {
+            Some(_) if self.shell.is_unwritten() => JournalFacts::Lost,
+            Some(RecordTimes { records, last, longest }) => JournalFacts::Kept { records, last, longest },
+            None => JournalFacts::None,
+        };
+        checks.push(journal_check(journal, self.line.timing.refresh));
+        let (standing, senders) = (self.refusals.standing(now).0, self.refusals.senders());
+        checks.push(commands_check(RefusalFacts { count: self.refusals.count, standing, senders: &senders }));
+        let unsent = unsent_messages();
+        checks.push(messages_check((self.ignored, unsent), self.lost.offer(now, self.ignored + unsent)));
+        checks.extend(self.cell.as_ref().map(|cell| cell_check(cell.apart().is_unattended)));
+        self.health.publish(now, checks);
     }
 }

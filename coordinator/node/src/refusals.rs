@@ -6,6 +6,7 @@ use std::time::Duration;
 use linewright_coordinator_logic::ModeRefusal;
 use linewright_line::Tick;
 use linewright_msgs::{LineState, fitting};
+use linewright_station_shell::ParticipantId;
 
 /// How soon a refusal may follow another one in what is logged.
 const LOGGED_EVERY: Duration = Duration::from_millis(20);
@@ -24,6 +25,16 @@ pub struct Refusals {
     reasons: Vec<ModeRefusal>,
     at: Tick,
     log_due: Tick,
+    /// The senders of refused commands, the latest first, and how many of each were refused.
+    senders: Vec<(ParticipantId, u64)>,
+}
+
+/// Senders that are counted; of more, the latest.
+const SENDERS_MAX: usize = 16;
+
+/// A participant as the ROS 2 tools write the beginning of an endpoint's identity, e.g. `01.10.5e.…`.
+pub fn participant_text(id: &ParticipantId) -> String {
+    id.map(|byte| format!("{byte:02x}")).join(".")
 }
 
 impl Refusals {
@@ -38,6 +49,19 @@ impl Refusals {
         self.command = command;
         self.reasons = reasons.to_vec();
         self.at = now;
+    }
+
+    /// A command of this sender was refused.
+    pub fn count_sender(&mut self, from: ParticipantId) {
+        let known = self.senders.iter().position(|(sender, _)| *sender == from);
+        let count = known.map_or(0, |at| self.senders.remove(at).1);
+        self.senders.truncate(SENDERS_MAX - 1);
+        self.senders.insert(0, (from, count + 1));
+    }
+
+    /// The senders of refused commands, and how many of each were refused.
+    pub fn senders(&self) -> Vec<(String, u64)> {
+        self.senders.iter().map(|(sender, count)| (participant_text(sender), *count)).collect()
     }
 
     /// A command was obeyed, or the mode has changed: what was refused may be possible now.

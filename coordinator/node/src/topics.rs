@@ -5,29 +5,25 @@ use linewright_lifecycle::LifecycleState;
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{CycleTime, Flag, LineState, ModeOrder, ProcessImage, StationState, Text};
 use linewright_node_shell::{
-    Forward, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, forward_timely, qos, stamp,
-    watch_middleware,
+    Forward, MessagePace, MessageSource, Publisher, RosNode, TopicError, forward, forward_present, forward_timely, qos,
+    stamp, watch_middleware,
 };
+use linewright_station_shell::ParticipantId;
 use tokio::sync::mpsc;
+
+use crate::mode_services::{self, ModeRequest};
 
 /// Something a subscription brought.
 #[derive(Debug)]
 pub enum CoordinatorInbound {
     /// An operator's command in words.
-    Command(String),
-    /// Hand-mode buttons held.
-    Buttons {
-        /// One for each publisher, and for each start of it.
-        console: u64,
-        /// Separated by blanks.
-        names: String,
-    },
+    Command { from: ParticipantId, words: String },
+    /// A command by a service.
+    Asked(ModeRequest),
+    /// Hand-mode buttons held: their names, separated by blanks.
+    Buttons { console: ConsoleSource, names: String },
     /// Resume, held or released.
-    Resume {
-        /// One for each publisher, and for each start of it.
-        console: u64,
-        held: bool,
-    },
+    Resume { console: ConsoleSource, held: bool },
     /// An order that was given on this line: the coordinator's life, and its number there.
     Order { boot_id: u64, sequence: u64 },
     /// A station's state.
@@ -36,6 +32,20 @@ pub enum CoordinatorInbound {
     Trouble(StationId, String),
     /// The output image of a station behind the gateway.
     Outputs(StationId, ProcessImage),
+}
+
+/// The console of a held button.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ConsoleSource {
+    /// One for each publisher, and for each start of it.
+    pub id: u64,
+    pub from: ParticipantId,
+}
+
+impl ConsoleSource {
+    fn of(source: &MessageSource) -> Self {
+        ConsoleSource { id: source.publisher_id(), from: source.participant() }
+    }
 }
 
 /// The coordinator's publishers.
@@ -96,7 +106,7 @@ pub fn open(
             node.subscription("mode_cmd", qos::event())?,
             to.clone(),
             |m: &Text| m.data.trim() == ModeCommand::EStop.name(),
-            |m, _| Some(CoordinatorInbound::Command(m.data)),
+            |m, source| Some(CoordinatorInbound::Command { from: source.participant(), words: m.data }),
         ),
         // Another coordinator's; this one's own do not come back from the loopback address.
         forward(node.subscription("mode", qos::repeated())?, to.clone(), |m: ModeOrder, _| {
@@ -106,15 +116,16 @@ pub fn open(
             node.subscription("buttons", qos::command())?,
             to.clone(),
             |m: &Text| m.data.trim().is_empty(),
-            |m, source| Some(CoordinatorInbound::Buttons { console: source.publisher_id(), names: m.data }),
+            |m, source| Some(CoordinatorInbound::Buttons { console: ConsoleSource::of(&source), names: m.data }),
         ),
         forward_timely(
             node.subscription("resume", qos::command())?,
             to.clone(),
             |m: &Flag| !m.data,
-            |m, source| Some(CoordinatorInbound::Resume { console: source.publisher_id(), held: m.data }),
+            |m, source| Some(CoordinatorInbound::Resume { console: ConsoleSource::of(&source), held: m.data }),
         ),
     ];
+    tasks.extend(mode_services::open(node, &to)?);
     for id in line.station_ids() {
         let station = line.station(id);
         let state = node.subscription(&format!("{}/state", station.name), qos::latched_state())?;

@@ -115,5 +115,9 @@ impl CoordinatorLoop {
 }
 
 fn is_emergency_stop(arrived: &CoordinatorInbound) -> bool {
-    matches!(arrived, CoordinatorInbound::Command(word) if ModeCommand::parse(word) == Some(ModeCommand::EStop))
+    match arrived {
+        CoordinatorInbound::Command { words, .. } => ModeCommand::parse(words) == Some(ModeCommand::EStop),
+        CoordinatorInbound::Asked(asked) => asked.is_emergency_stop(),
+        _ => false,
+    }
 }

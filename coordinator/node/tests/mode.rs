@@ -4,10 +4,12 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use linewright_coordinator_logic::{ModeCommand, ModeRefusal};
-use linewright_coordinator_node::{Refusals, StopTime, command_of, outputs_from_message, record_of, remembered};
+use linewright_coordinator_node::{
+    Refusals, StopTime, command_of, outputs_from_message, record_of, remembered, words_of,
+};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorRecord};
 use linewright_line::{StationId, Tick};
-use linewright_msgs::{LineState, ProcessImage};
+use linewright_msgs::{LineState, ProcessImage, SetModeRequest};
 use linewright_testkit::built::transfer_line;
 
 #[test]
@@ -93,4 +95,34 @@ fn a_refusal_that_asks_for_the_release_of_a_button_ends_with_it() {
     assert_eq!(refused(&pressed, false, true), "reset refused", "whether it is released is not known");
     assert_eq!(refused(&pressed, false, false), "");
     assert_eq!(refused(&[], false, false), "reset refused", "another one asks for something else");
+}
+
+#[test]
+fn a_request_of_the_service_is_the_words_of_the_topic() {
+    let words = |command, station: &str| {
+        words_of(&SetModeRequest { command, station: station.to_owned(), ..Default::default() })
+    };
+    assert_eq!(words(SetModeRequest::ESTOP, "").as_deref(), Ok("estop"));
+    assert_eq!(words(SetModeRequest::MANUAL, " clamp_1 ").as_deref(), Ok("manual clamp_1"));
+    for (command, station) in (SetModeRequest::START..=SetModeRequest::RESET).map(|command| (command, "")) {
+        let words = words(command, station).expect("a command");
+        assert!(matches!(command_of(&transfer_line(), &words), Ok(CoordinatorArrival::Command(_))), "{words}");
+    }
+    // What the topic refuses is refused by it here as well.
+    let hand = words(SetModeRequest::HAND, "clamp_1").expect("words");
+    assert!(command_of(&transfer_line(), &hand).is_err());
+    for unknown in [0, 8, 255] {
+        assert!(words(unknown, "").expect_err("no command").starts_with(&format!("unknown command {unknown}; ")));
+    }
+}
+
+#[test]
+fn the_latest_senders_of_refused_commands_are_counted() {
+    let mut refusals = Refusals::default();
+    (0..20).for_each(|sender| refusals.count_sender([sender; 12]));
+    refusals.count_sender([10; 12]);
+    let senders = refusals.senders();
+    assert_eq!((senders.len(), senders[0].1), (16, 2));
+    assert_eq!(senders[0].0, ["0a"; 12].join("."));
+    assert!(senders.iter().all(|(sender, _)| *sender != ["00"; 12].join(".")), "the oldest is forgotten");
 }

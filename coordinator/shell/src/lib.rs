@@ -13,4 +13,4 @@ pub mod parameters;
 mod shell;
 
 pub use effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, InputsImage, heard};
-pub use shell::CoordinatorShell;
+pub use shell::{CoordinatorShell, RefusalFacts, cell_check, commands_check, coordinator_checks};

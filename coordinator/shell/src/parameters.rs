@@ -6,9 +6,7 @@ use std::time::Duration;
 use linewright_cell::Cell;
 use linewright_line::Line;
 use linewright_parameters::{Declaration, ParameterChange, ParameterDomain, ParameterSet, ParameterValue};
-use linewright_station_shell::parameters::{
-    DIAGNOSTICS_EVERY_S, DIAGNOSTICS_PERIOD, OF_EVERY_NODE, OF_STATIONS, common,
-};
+use linewright_station_shell::parameters::{OF_EVERY_NODE, OF_STATIONS, common};
 
 /// A day, in s.
 const DAY_S: f64 = 86_400.0;
@@ -73,8 +71,8 @@ pub const WINDOW: Declaration = of_cell(
 );
 
 /// Further parameters of the coordinator, in the order of the documentation; the last four where there is a cell.
-pub const OF_THE_COORDINATOR: [&Declaration; 8] =
-    [&CAN_INTERFACE, &DIAGNOSTICS_PERIOD, &MODE_TEXT_PERIOD, &RETENTION, &WIP_MAX, &LOOK_AHEAD, &PATIENCE, &WINDOW];
+pub const OF_THE_COORDINATOR: [&Declaration; 7] =
+    [&CAN_INTERFACE, &MODE_TEXT_PERIOD, &RETENTION, &WIP_MAX, &LOOK_AHEAD, &PATIENCE, &WINDOW];
 
 /// First value of [`MODE_TEXT_PERIOD`].
 pub const MODE_TEXT_EVERY_S: f64 = 1.0;
@@ -96,7 +94,6 @@ pub fn coordinator_parameters(
     let seconds = |time: Duration| ParameterValue::Double(time.as_secs_f64());
     let mut all = common(line, log_level);
     all.push((&CAN_INTERFACE, ParameterValue::Text(interface.to_owned())));
-    all.push((&DIAGNOSTICS_PERIOD, ParameterValue::Double(DIAGNOSTICS_EVERY_S)));
     all.push((&MODE_TEXT_PERIOD, ParameterValue::Double(MODE_TEXT_EVERY_S)));
     all.push((&RETENTION, ParameterValue::Integer(retention.map_or(0, i64::from))));
     if let Some(cell) = cell {

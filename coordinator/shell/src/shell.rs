@@ -10,9 +10,11 @@
 //! A record that cannot be written is itself an emergency stop: the line would otherwise act on what a successor cannot
 //! read. It stays in force, and writing is tried again, until it succeeds and an operator resets.
 
+mod health;
+
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Coordinator, Gateway, ManualPermit, ModeInput, ModeOutbox};
+use linewright_coordinator_logic::{Coordinator, Gateway, ManualPermit, ModeInput, ModeOutbox, RefusedCommand};
 use linewright_lifecycle::LifecycleState;
 use linewright_line::net::ControlMode;
 use linewright_line::{DeviceBus, Line, StationId, Tick};
@@ -21,6 +23,8 @@ use linewright_station_shell::{EPOCH_JUMP_MAX, HeldByOne, HeldPass, NewestBySequ
 
 use crate::effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord};
 use crate::gateway_station::{GatewayStation, GatewayStop};
+
+pub use health::{RefusalFacts, cell_check, commands_check, coordinator_checks};
 
 /// Shortest time between two refusals that are sent.
 const ANSWER_EVERY: Duration = Duration::from_millis(20);
@@ -331,8 +335,18 @@ impl CoordinatorShell {
         self.write_again.map(|_| "the journal cannot be written")
     }
 
-    /// Reason why the node cannot be activated.
-    pub fn against_activity(&mut self, now: Tick) -> Option<&'static str> {
+    /// Takes a command or button as [`CoordinatorShell::handle`] does, and gives its refusal; none if it is obeyed, or held. The refusal
+    /// is among the next effects as well.
+    pub fn command(&mut self, now: Tick, arrival: CoordinatorArrival) -> Option<RefusedCommand> {
+        // What is decided by a gap is no answer to this command.
+        self.notice_gap(now);
+        let before = self.coordinator.refusals().len();
+        self.handle(now, arrival);
+        self.coordinator.refusals().get(before).cloned()
+    }
+
+    /// Reason why a request that may be from before a standstill of the process is not followed.
+    pub fn against_requests(&mut self, now: Tick) -> Option<&'static str> {
         self.notice_gap(now);
         (now < self.doubts_until).then_some("the node stood still just before it; give it again")
     }

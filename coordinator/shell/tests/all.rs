@@ -2,6 +2,7 @@
 
 mod cycle_time;
 mod founding;
+mod health;
 mod held;
 mod lifecycle;
 mod parameters;

@@ -35,13 +35,13 @@ fn a_request_to_activate_from_before_a_standstill_is_refused() {
     rig.refresh();
     rig.shell.follow_lifecycle(rig.now, LifecycleState::Inactive);
     rig.act();
-    assert_eq!(rig.shell.against_activity(rig.now), None);
+    assert_eq!(rig.shell.against_requests(rig.now), None);
     rig.now = rig.now + Duration::from_secs(60);
-    assert!(rig.shell.against_activity(rig.now).is_some());
+    assert!(rig.shell.against_requests(rig.now).is_some());
     for _ in 0..20 {
         rig.refresh();
     }
-    assert_eq!(rig.shell.against_activity(rig.now), None);
+    assert_eq!(rig.shell.against_requests(rig.now), None);
 }
 
 #[test]

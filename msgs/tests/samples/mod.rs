@@ -3,11 +3,12 @@
 
 use linewright_msgs::{
     ActivityState, AlarmState, Answer, Bounded, Byte, CellState, CoReadRequest, CoReadResponse, CoWriteIdRequest,
-    CycleTime, DescribeParametersResponse, DiagnosticArray, DiagnosticStatus, Flag, FloatingPointRange,
-    GetAvailableTransitionsResponse, Header, IntegerRange, KeyValue, LineState, ModeOrder, NodeState, NodeTransition,
-    OrderEnd, OrderState, Parameter, ParameterDescriptor, ParameterEvent, ParameterValue, PartState, ProcessImage,
-    ProductionRequest, ProductionState, RunTaskFeedback, RunTaskGoal, RunTaskResult, SecureOrder, StationEvent,
-    StationState, Text, Time, TransitionDescription, TransitionEvent, TriggerResponse,
+    CycleTime, DescribeParametersResponse, DiagnosticArray, DiagnosticStatus, DispatchOrderFeedback, DispatchOrderGoal,
+    DispatchOrderResult, Flag, FloatingPointRange, GetAvailableTransitionsResponse, Header, IntegerRange, KeyValue,
+    LineState, Log, ModeOrder, NodeState, NodeTransition, OrderEnd, OrderState, Parameter, ParameterDescriptor,
+    ParameterEvent, ParameterValue, PartState, ProcessImage, ProductionRequest, ProductionState, RunTaskFeedback,
+    RunTaskGoal, RunTaskResult, SecureOrder, SetModeRequest, SetModeResponse, StationEvent, StationState, Text, Time,
+    TransitionDescription, TransitionEvent, TriggerResponse,
 };
 
 pub fn header() -> Header {
@@ -349,5 +350,45 @@ pub fn cell_state() -> CellState {
         orders: Bounded::new(vec![order]).unwrap(),
         alarms: Bounded::new(vec![alarm]).unwrap(),
         down: Bounded::new(vec!["M2".into()]).unwrap(),
+    }
+}
+
+pub fn set_mode() -> (SetModeRequest, SetModeResponse) {
+    let request = SetModeRequest {
+        command: SetModeRequest::MANUAL,
+        station: "robot".into(),
+        stamp: Time { sec: 1_700_000_001, nanosec: 2 },
+        by: "ada".into(),
+        note: "a part lies on the floor".into(),
+    };
+    (request, SetModeResponse { accepted: true, reason: "auto, robot in manual".into(), epoch: 0x0102_0304_0506_0708 })
+}
+
+pub fn dispatch_order() -> (DispatchOrderGoal, DispatchOrderResult, DispatchOrderFeedback) {
+    let order = ProductionState {
+        id: 2,
+        name: "rush".into(),
+        product: "A".into(),
+        quantity: 12,
+        entered: 5,
+        done: 3,
+        status: ProductionState::STATUS_IN_WORK,
+        text: "in work".into(),
+        ..ProductionState::default()
+    };
+    let goal = DispatchOrderGoal { request: production_request(), by: "ada".into() };
+    let (end, problems) = (DispatchOrderResult::END_REFUSED, vec!["no product `Z`".into()]);
+    (goal, DispatchOrderResult { end, order: order.clone(), problems }, DispatchOrderFeedback { order })
+}
+
+pub fn log_line() -> Log {
+    Log {
+        stamp: Time { sec: 1_700_000_001, nanosec: 2 },
+        level: Log::WARN.0,
+        name: "transfer_line.mill_1".into(),
+        msg: "ignored a message".into(),
+        file: "node.rs".into(),
+        function: String::new(),
+        line: 77,
     }
 }

@@ -9,6 +9,7 @@ pub mod numbers;
 mod services;
 mod trouble;
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_fieldbus_seam::{BusTarget, Diagnosis, Joined, Level, News};
@@ -50,7 +51,7 @@ pub struct Devices {
     node: String,
     told: Vec<ReportedDevice>,
     owners: Vec<(Owner, String)>,
-    diagnostics: Publisher<DiagnosticArray>,
+    diagnostics: Arc<Publisher<DiagnosticArray>>,
     key: PlainReportKey,
     due: Tick,
     last: Tick,
@@ -62,9 +63,11 @@ pub struct Devices {
 }
 
 impl Devices {
-    /// Opens the services and topics of these devices, and of the buses they are on, as part of `node`.
+    /// Opens the services and topics of these devices, and of the buses they are on, as part of `node`, which publishes its diagnostics
+    /// by `diagnostics`.
     pub fn open<'a>(
         node: &mut RosNode,
+        diagnostics: &Arc<Publisher<DiagnosticArray>>,
         line: &Line,
         devices: impl IntoIterator<Item = &'a Device>,
     ) -> Result<Self, TopicError> {
@@ -98,7 +101,7 @@ impl Devices {
             node: node.name().to_owned(),
             told,
             owners,
-            diagnostics: node.publisher("/diagnostics", qos::event())?,
+            diagnostics: Arc::clone(diagnostics),
             key: PlainReportKey::default(),
             due: Tick::ZERO,
             last: Tick::ZERO,

@@ -5,6 +5,7 @@
 //! lost after being killed. It decides nothing.
 
 mod device_texts;
+mod devices;
 mod journal;
 mod lifecycle;
 mod node;

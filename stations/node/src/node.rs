@@ -8,16 +8,16 @@ use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
 use linewright_msgs::{ProcessImage, StationState};
 use linewright_node_line::devices::{DeviceDiagnosticsTopic, DeviceServiceRequest, Devices};
 use linewright_node_line::quoted;
-use linewright_node_line::{Confirmation, Waiting, open_buses};
+use linewright_node_line::{Confirmation, HealthTopic, Waiting, open_buses};
 use linewright_node_line::{order_from_message, report_from_message};
 use linewright_node_shell::{
-    ChangeRequest, Forward, JournalError, JournalWriter, Lifecycle, OpenError, Parameters, Participant, TopicError,
-    Watchdog, fresh_boot_id, stamp,
+    ChangeRequest, Forward, JournalError, JournalWriter, Lifecycle, OpenError, Parameters, Participant, Rosout,
+    TopicError, Watchdog, fresh_boot_id, stamp,
 };
 use linewright_parameters::ParameterSet;
 use linewright_station_logic::{CompileError, LeaveWay, PanelCommand, Restore};
 use linewright_station_shell::parameters::DIAGNOSTICS_PERIOD;
-use linewright_station_shell::{Driven, StationArrival, StationEffect, StationShell};
+use linewright_station_shell::{Driven, RecentGrowth, StationArrival, StationEffect, StationShell};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
@@ -125,8 +125,8 @@ pub(crate) struct StationLoop {
     /// The buses of its own devices; `None` behind the gateway.
     pub(crate) buses: Option<Joined>,
     /// The devices on them, for ROS 2.
-    devices: Option<Devices>,
-    trouble: Option<DeviceDiagnosticsTopic>,
+    pub(crate) devices: Option<Devices>,
+    pub(crate) trouble: Option<DeviceDiagnosticsTopic>,
     pub(crate) words: DeviceTexts,
     pub(crate) journal: Option<JournalWriter>,
     pub(crate) waiting: Waiting<StationInbound>,
@@ -138,6 +138,10 @@ pub(crate) struct StationLoop {
     pub(crate) event_sequence: u64,
     /// State sent last; the next one overwrites all but the fingerprint of the description.
     pub(crate) message: StationState,
+    pub(crate) health: HealthTopic,
+    rosout: Rosout,
+    /// Messages ignored or not sent.
+    pub(crate) lost: RecentGrowth,
     has_ended: bool,
     parameters: Parameters,
     pub(crate) lifecycle: Lifecycle,
@@ -192,7 +196,10 @@ impl StationLoop {
         let mut node = participant.node(&format!("/{}", line.name), &name)?;
         let (says, from, tasks) = open(&mut node, &line, station, boot_id, shell.controller().peers())?;
         let own = line.devices_of(Owner::Station(station));
-        let devices = buses.as_ref().map(|_| Devices::open(&mut node, &line, own)).transpose()?;
+        let rosout = Rosout::open(&mut node)?;
+        let health = HealthTopic::open(&mut node, &format!("{}/{name}", line.name))?;
+        let of_devices = |_| Devices::open(&mut node, health.publisher(), &line, own);
+        let devices = buses.as_ref().map(of_devices).transpose()?;
         let owner = Owner::Station(station);
         let trouble = buses
             .as_ref()
@@ -220,6 +227,9 @@ impl StationLoop {
             tasks,
             event_sequence: 0,
             message,
+            health,
+            rosout,
+            lost: RecentGrowth::default(),
             has_ended: false,
             parameters,
             lifecycle,
@@ -235,8 +245,9 @@ impl StationLoop {
 
     /// Puts the parameters into force that concern the node's loop.
     fn follow_parameters(&mut self) {
-        if let (Some(devices), Some(every)) = (&mut self.devices, self.parameters.seconds(DIAGNOSTICS_PERIOD.name)) {
-            devices.report_every(every);
+        if let Some(every) = self.parameters.seconds(DIAGNOSTICS_PERIOD.name) {
+            self.health.report_every(every);
+            self.devices.iter_mut().for_each(|devices| devices.report_every(every));
         }
     }
 
@@ -286,7 +297,7 @@ impl StationLoop {
             }
             self.act().await?;
             let devices_failed = self.devices.as_ref().is_some_and(Devices::is_failed);
-            let services_failed = self.parameters.is_failed() || self.lifecycle.is_failed();
+            let services_failed = self.parameters.is_failed() || self.lifecycle.is_failed() || self.rosout.is_failed();
             if self.tasks.iter().any(Forward::is_finished) || devices_failed || services_failed {
                 return Err(self.cut_off());
             }
@@ -298,10 +309,11 @@ impl StationLoop {
     }
 
     fn deadline(&self) -> Tick {
-        self.shell.next_deadline().min(self.devices.as_ref().map_or(Tick::NEVER, Devices::deadline))
+        let devices = self.devices.as_ref().map_or(Tick::NEVER, Devices::deadline);
+        self.shell.next_deadline().min(devices).min(self.health.deadline())
     }
 
-    fn handle(&mut self, arrival: StationArrival<'_>) {
+    pub(crate) fn handle(&mut self, arrival: StationArrival<'_>) {
         self.shell.handle(self.clock.now(), arrival, &mut self.effects);
     }
 
@@ -370,39 +382,6 @@ impl StationLoop {
         self.handle(StationArrival::Panel { console: 0, command: PanelCommand::Selector(is_manual) });
     }
 
-    pub(crate) fn bus_news(&mut self, news: &[News]) {
-        for one in news {
-            match one {
-                News::InputsChanged { .. } | News::Answered => {}
-                News::Ignored(what) => self.ignore(what),
-                News::Noted(what) => tracing::info!(station = self.name, "{what}"),
-            }
-        }
-        if let (Some(devices), Some(buses)) = (&mut self.devices, &mut self.buses) {
-            devices.bus_news(news, buses);
-        }
-        self.tell_trouble(self.clock.now());
-        if let Some(buses) = &mut self.buses {
-            let image = buses.take_inputs(Owner::Station(self.station));
-            let losses = u64::from(image.losses);
-            self.handle(StationArrival::Devices { bits: image.bits, valid: image.valid, losses });
-        }
-    }
-
-    /// Publishes the faults of the devices on its own bus, if it has one.
-    fn tell_trouble(&mut self, now: Tick) {
-        if let (Some(trouble), Some(buses)) = (&mut self.trouble, &self.buses) {
-            trouble.act(now, buses);
-            self.words.trouble(trouble.text());
-        }
-    }
-
-    fn asked(&mut self, asked: DeviceServiceRequest) {
-        if let (Some(devices), Some(buses)) = (&mut self.devices, &mut self.buses) {
-            devices.ask(asked, buses);
-        }
-    }
-
     /// Performs the effects of arrivals and of the time.
     ///
     /// # Errors
@@ -440,6 +419,7 @@ impl StationLoop {
             let (controller, inputs) = (self.shell.controller(), self.shell.inputs());
             orders.tell(&self.line, controller, replies.into_iter(), inputs, is_told);
         }
+        self.tell_health(now);
         Ok(())
     }
 

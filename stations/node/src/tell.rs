@@ -3,8 +3,9 @@
 use linewright_line::{OpId, Tick};
 use linewright_msgs::{StationEvent, StationState, fitting};
 use linewright_node_line::{kind_of, report_to_message};
-use linewright_node_shell::stamp;
+use linewright_node_shell::{JournalWriter, RecordTimes, stamp, unsent_messages};
 use linewright_station_logic::{HappeningKind, StationHappening};
+use linewright_station_shell::{JournalFacts, StationFacts, journal_check, messages_check};
 
 use crate::node::StationLoop;
 
@@ -22,6 +23,27 @@ impl StationLoop {
         self.message.boot_id = self.shell.boot_id();
         self.message.sequence = sequence;
         self.says.state.send(self.message.clone());
+    }
+
+    /// Publishes the checks of the node, where they are due.
+    pub(crate) fn tell_health(&mut self, now: Tick) {
+        if now < self.health.deadline() {
+            return;
+        }
+        let StationState { operation, fault, blocked_by, .. } = &self.message;
+        let facts = StationFacts { operation, fault, waits_for: blocked_by };
+        let mut checks = self.shell.health(&self.line, now, facts);
+        // A record that cannot be written ends the node.
+        let journal = self.journal.as_ref().map(JournalWriter::times);
+        let journal = journal.map_or(JournalFacts::None, |RecordTimes { records, last, longest }| JournalFacts::Kept {
+            records,
+            last,
+            longest,
+        });
+        checks.push(journal_check(journal, self.line.timing.refresh));
+        let (ignored, unsent) = (self.shell.ignored(), unsent_messages());
+        checks.push(messages_check((ignored, unsent), self.lost.offer(now, ignored + unsent)));
+        self.health.publish(now, checks);
     }
 
     pub(crate) fn tell_ignored(&mut self, count: u64, why: &str) {

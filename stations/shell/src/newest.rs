@@ -30,12 +30,22 @@ pub struct NewestBySequence {
     retired: Vec<u64>,
     /// The last message that does not alone prove its life alive, while no newer one is received.
     returning: Option<(u64, u64, Tick)>,
+    missed: u64,
+    replaced: u64,
 }
 
 impl NewestBySequence {
     /// Nothing received yet. `term` is the age at which a message of this writer is unknown.
     pub fn new(term: Duration) -> Self {
-        NewestBySequence { term, current: None, heard: Tick::ZERO, retired: Vec::new(), returning: None }
+        NewestBySequence {
+            term,
+            current: None,
+            heard: Tick::ZERO,
+            retired: Vec::new(),
+            returning: None,
+            missed: 0,
+            replaced: 0,
+        }
     }
 
     /// Takes the next message; gives whether it is the newest, and to be used. Boot id 0 has no writer.
@@ -75,10 +85,24 @@ impl NewestBySequence {
         self.heard
     }
 
+    /// Messages that were not received, or came after a newer one: the numbers left out between those that were used.
+    pub fn missed(&self) -> u64 {
+        self.missed
+    }
+
+    /// How often another life has followed.
+    pub fn replaced(&self) -> u64 {
+        self.replaced
+    }
+
     fn replace(&mut self, boot_id: u64, sequence: u64) {
+        if let Some((_, seen)) = self.current.filter(|(boot, _)| *boot == boot_id) {
+            self.missed = self.missed.saturating_add(sequence.saturating_sub(seen.saturating_add(1)));
+        }
         if let Some((boot, _)) = self.current
             && boot != boot_id
         {
+            self.replaced = self.replaced.saturating_add(1);
             self.retired.retain(|&retired| retired != boot_id);
             if self.retired.len() == RETIRED_MAX {
                 self.retired.remove(0);

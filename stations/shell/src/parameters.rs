@@ -97,11 +97,11 @@ pub const ORDERS: Declaration = Declaration {
 };
 
 /// The declared parameters of every node, in the order of the documentation.
-pub const OF_EVERY_NODE: [&Declaration; 8] =
-    [&LOG_LEVEL, &USE_SIM_TIME, &REFRESH, &STALE, &LEASE, &HEARTBEAT, &HEARTBEAT_TIMEOUT, &SYNC];
+pub const OF_EVERY_NODE: [&Declaration; 9] =
+    [&LOG_LEVEL, &USE_SIM_TIME, &DIAGNOSTICS_PERIOD, &REFRESH, &STALE, &LEASE, &HEARTBEAT, &HEARTBEAT_TIMEOUT, &SYNC];
 
-/// Further parameters of a station: of one with a bus of its own the first two, of a task-driven one the last.
-pub const OF_STATIONS: [&Declaration; 3] = [&OWN_CAN_INTERFACE, &DIAGNOSTICS_PERIOD, &ORDERS];
+/// Further parameters of a station: of one with a bus of its own the first, of a task-driven one the second.
+pub const OF_STATIONS: [&Declaration; 2] = [&OWN_CAN_INTERFACE, &ORDERS];
 
 /// First value of [`DIAGNOSTICS_PERIOD`].
 pub const DIAGNOSTICS_EVERY_S: f64 = 1.0;
@@ -113,6 +113,7 @@ pub fn common(line: &Line, log_level: &str) -> Vec<(&'static Declaration, Parame
     vec![
         (&LOG_LEVEL, ParameterValue::Text(log_level.to_owned())),
         (&USE_SIM_TIME, ParameterValue::Bool(false)),
+        (&DIAGNOSTICS_PERIOD, ParameterValue::Double(DIAGNOSTICS_EVERY_S)),
         (&REFRESH, ms(timing.refresh)),
         (&STALE, ms(timing.stale)),
         (&LEASE, ms(timing.lease)),
@@ -128,7 +129,6 @@ pub fn station_parameters(line: &Line, station: StationId, log_level: &str) -> P
     let station = line.station(station);
     if let DeviceBus::Own(interface) = &station.bus {
         all.push((&OWN_CAN_INTERFACE, ParameterValue::Text(interface.clone())));
-        all.push((&DIAGNOSTICS_PERIOD, ParameterValue::Double(DIAGNOSTICS_EVERY_S)));
     }
     if station.is_task_driven() {
         let word = match station.order_source {

@@ -5,6 +5,7 @@
 //! still shows an operation as running restores it as stopped. After a record that took longer than a period nothing is
 //! switched on by what was decided before it: the station decides again.
 
+mod health;
 mod lifecycle;
 
 use std::fmt::Display;
@@ -23,6 +24,8 @@ use crate::held::{HeldByOne, HeldPass};
 use crate::newest::NewestBySequence;
 use crate::rivals::Rivals;
 use crate::rules::ShellRules;
+
+pub use health::StationFacts;
 
 /// No line changes its mode so often while one reader does not receive it: an order whose epoch is further ahead of those
 /// that were followed is no coordinator's.

@@ -3,6 +3,7 @@
 mod contest;
 mod estop;
 mod gap;
+mod health;
 mod held;
 mod lifecycle;
 mod newest;

@@ -175,6 +175,8 @@ const MAY_USE: [(&str, &[&str]); 43] = [
         &[
             "linewright-line",
             "linewright-station-logic",
+            // The checks of a node are values, there.
+            "linewright-station-shell",
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-fieldbus-seam",

@@ -9,7 +9,7 @@ use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
 use super::{Coordinator, StationEntry, StationView};
-use crate::refusal::ModeRefusal;
+use crate::refusal::{ModeRefusal, RefusedCommand};
 use crate::texts::{ModeText, reason_texts};
 
 impl Coordinator {
@@ -52,7 +52,7 @@ impl Coordinator {
     /// Reasons of one station against motion in auto and hand.
     pub(super) fn troubles_of(&self, id: StationId, station: &StationEntry, reasons: &mut Vec<ModeRefusal>) {
         if !self.is_known(station) {
-            reasons.push(self.silence(id, station));
+            reasons.push(self.silence(id));
             return;
         }
         if !station.heard.devices_valid {
@@ -77,7 +77,7 @@ impl Coordinator {
         let counted: Vec<StationId> = self.counted().map(|(id, _)| id).collect();
         let left_out = self.line.station_ids().zip(&self.stations).filter(|(id, _)| !counted.contains(id));
         let away = left_out.filter_map(|(id, station)| match self.is_known(station) {
-            false => Some(self.silence(id, station)),
+            false => Some(self.silence(id)),
             true => (!station.heard.at_home).then_some(ModeRefusal::NotAtHome(id)),
         });
         away.collect()
@@ -137,6 +137,16 @@ impl Coordinator {
     /// Whether a station is heard.
     pub fn hears(&self, station: StationId) -> bool {
         self.stations.get(station.index()).is_some_and(|s| self.is_known(s))
+    }
+
+    /// Whether something stands against motion, or has ended a mode that nothing has followed yet.
+    pub fn is_troubled(&self) -> bool {
+        self.ended.is_some() || !self.troubles_in(self.mode).is_empty()
+    }
+
+    /// Refusals of commands since the last step.
+    pub fn refusals(&self) -> &[RefusedCommand] {
+        &self.refusals
     }
 
     /// The text of the mode, with the reasons that keep it.

@@ -10,7 +10,6 @@
 use linewright_lifecycle::LifecycleState;
 use linewright_line::StationId;
 
-use super::entry::StationEntry;
 use super::{Coordinator, ModeRefusal};
 
 impl Coordinator {
@@ -38,14 +37,20 @@ impl Coordinator {
     /// Of the stations that are left out, those whose nodes are not active.
     pub(super) fn inactive_left_out(&self) -> impl Iterator<Item = ModeRefusal> {
         let isolated = self.line.station_ids().zip(&self.stations).filter(|(_, station)| station.isolated);
-        let reasons = isolated.filter(|(_, of)| !self.is_known(of)).map(|(id, of)| self.silence(id, of));
+        let reasons = isolated.filter(|(_, of)| !self.is_known(of)).map(|(id, _)| self.silence(id));
         reasons.filter(|reason| matches!(reason, ModeRefusal::Inactive(..)))
     }
 
+    /// State of a station's node by its last report, if that is not active and still counts.
+    pub fn inactive_node(&self, station: StationId) -> Option<LifecycleState> {
+        let inactive = self.stations.get(station.index())?.inactive;
+        inactive.filter(|(_, until)| self.now < *until).map(|(state, _)| state)
+    }
+
     /// Reason against motion of a station that is not received.
-    pub(super) fn silence(&self, id: StationId, station: &StationEntry) -> ModeRefusal {
-        match station.inactive.filter(|(_, until)| self.now < *until) {
-            Some((state, _)) => ModeRefusal::Inactive(id, state),
+    pub(super) fn silence(&self, id: StationId) -> ModeRefusal {
+        match self.inactive_node(id) {
+            Some(state) => ModeRefusal::Inactive(id, state),
             None => ModeRefusal::NotHeard(id),
         }
     }

@@ -155,7 +155,7 @@ impl Coordinator {
             reasons.push(ModeRefusal::StoppedByCell(id));
         }
         if !self.is_known(station) {
-            reasons.push(self.silence(id, station));
+            reasons.push(self.silence(id));
         }
         reasons.extend(self.rival().map(ModeRefusal::OtherCoordinator));
         if self.console_is_unknown() {
@@ -246,7 +246,7 @@ impl Coordinator {
         // All that count, which is all but those in manual by themselves. That this one is not received is a reason already.
         for (other, of) in self.counted().chain([(id, station)]) {
             if !self.is_known(of) {
-                reasons.extend((other != id).then(|| self.silence(other, of)));
+                reasons.extend((other != id).then(|| self.silence(other)));
             } else if !of.heard.acknowledges(self.boot_id, since) {
                 reasons.push(ModeRefusal::ManualUnaware(other));
             }

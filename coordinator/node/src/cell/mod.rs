@@ -2,6 +2,7 @@
 //!
 //! What happens next is decided in [`linewright_coordinator_cell`]; here it is written down, sent and published.
 
+mod dispatched;
 mod history;
 mod keeping;
 mod log;
@@ -14,6 +15,7 @@ mod why;
 pub mod wire;
 mod words;
 
+pub use dispatched::{GoalStep, step_of};
 pub use history::HistoryFeeder;
 pub use keeping::{CellLogKeeper, ROOM_BYTES};
 pub use log::{CellLog, CellLogError, OpenedLog, RECORDS_MAX};

@@ -13,12 +13,25 @@ use linewright_msgs::{
     AnswerAlarm, AnswerAlarmResponse, ChangeOrder, ChangeOrderResponse, SetResource, SetResourceResponse, SubmitOrders,
     SubmitOrdersResponse,
 };
-use linewright_node_shell::ServiceReply;
+use linewright_node_shell::{GoalHandle, ServiceReply};
 
 /// Destination of the reply to a ticket.
 pub enum Requester {
     Submit(ServiceReply<SubmitOrders>),
     Change(ServiceReply<ChangeOrder>),
+    /// A goal that makes an order.
+    Goal(GoalHandle),
+    /// A goal that is cancelled, with its order.
+    Cancellation(GoalHandle),
+}
+
+/// Reply to the request of a goal.
+#[derive(Debug)]
+pub enum GoalNews {
+    /// Its order, or what is wrong with it.
+    Ordered(GoalHandle, Result<ProductionId, Vec<String>>),
+    /// Its order is cancelled or withdrawn, or why it is not.
+    Cancelled(GoalHandle, Result<(), String>),
 }
 
 /// Destination of the reply to an operator's answer or request.
@@ -33,6 +46,8 @@ pub struct PendingReplies {
     tickets: RequestId,
     customers: Vec<(RequestId, Requester)>,
     operators: Vec<(ResourceRequest, AnsweringOperator)>,
+    /// Replies to goals, to be taken after each step.
+    pub goal_news: Vec<GoalNews>,
 }
 
 impl PendingReplies {
@@ -50,7 +65,8 @@ impl PendingReplies {
 
     /// Refuses all requests that no step has taken.
     pub fn refuse(&mut self, reason: &str) {
-        self.customers.drain(..).for_each(|(_, customer)| customer.refuse(reason.to_owned()));
+        let news = self.customers.drain(..).filter_map(|(_, customer)| customer.refuse(reason.to_owned()));
+        self.goal_news.extend(news);
         self.operators.drain(..).for_each(|(_, operator)| operator.hear(Some(reason.to_owned())));
     }
 
@@ -59,7 +75,7 @@ impl PendingReplies {
         for (ticket, reply) in out.replies.drain(..) {
             if let Some(at) = self.customers.iter().position(|(known, _)| *known == ticket) {
                 let (_, customer) = self.customers.swap_remove(at);
-                customer.hear(reply);
+                self.goal_news.extend(customer.hear(reply));
             }
         }
         for (asked, operator) in self.operators.drain(..) {
@@ -76,14 +92,17 @@ impl PendingReplies {
 }
 
 impl Requester {
-    fn refuse(self, reason: String) {
+    fn refuse(self, reason: String) -> Option<GoalNews> {
         match self {
             Requester::Submit(to) => to.send(denied_all(vec![reason])),
             Requester::Change(to) => to.send(ChangeOrderResponse { done: false, reason }),
+            Requester::Goal(goal) => return Some(GoalNews::Ordered(goal, Err(vec![reason]))),
+            Requester::Cancellation(goal) => return Some(GoalNews::Cancelled(goal, Err(reason))),
         }
+        None
     }
 
-    fn hear(self, reply: Result<Vec<ProductionId>, ProductionCommandError>) {
+    fn hear(self, reply: Result<Vec<ProductionId>, ProductionCommandError>) -> Option<GoalNews> {
         match self {
             Requester::Submit(to) => to.send(match reply {
                 Ok(ids) => SubmitOrdersResponse {
@@ -91,16 +110,31 @@ impl Requester {
                     ids: ids.into_iter().map(|id| id.0).collect(),
                     problems: Vec::new(),
                 },
-                Err(denied) => denied_all(match denied {
-                    ProductionCommandError::Request(wrongs) => wrongs.iter().map(ToString::to_string).collect(),
-                    ProductionCommandError::Order(_) | ProductionCommandError::Superseded => vec![denied.to_string()],
-                }),
+                Err(denied) => denied_all(problems(&denied)),
             }),
             Requester::Change(to) => to.send(match reply {
                 Ok(_) => ChangeOrderResponse { done: true, reason: String::new() },
                 Err(denied) => ChangeOrderResponse { done: false, reason: denied.to_string() },
             }),
+            Requester::Goal(goal) => {
+                // One request makes one order.
+                let made = reply.map_err(|denied| problems(&denied));
+                let made = made.and_then(|ids| ids.first().copied().ok_or_else(Vec::new));
+                return Some(GoalNews::Ordered(goal, made));
+            }
+            Requester::Cancellation(goal) => {
+                return Some(GoalNews::Cancelled(goal, reply.map(drop).map_err(|denied| denied.to_string())));
+            }
         }
+        None
+    }
+}
+
+/// What is wrong with requests, one after the other.
+fn problems(denied: &ProductionCommandError) -> Vec<String> {
+    match denied {
+        ProductionCommandError::Request(wrongs) => wrongs.iter().map(ToString::to_string).collect(),
+        ProductionCommandError::Order(_) | ProductionCommandError::Superseded => vec![denied.to_string()],
     }
 }
 

@@ -21,12 +21,13 @@ use linewright_coordinator_cell::{
 use linewright_fieldbus::Clock;
 use linewright_history::Note;
 use linewright_line::{InputId, Line, Tick};
-use linewright_msgs::{CellState, WhyNotResponse};
-use linewright_node_shell::{Forward, RosNode, TopicError, Watchdog, stamp};
+use linewright_msgs::{CellState, DispatchOrder, WhyNotResponse};
+use linewright_node_shell::{ActionOwner, Forward, RosNode, TopicError, Watchdog, stamp};
 use linewright_station_shell::NewestBySequence;
 use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};
 
+use super::dispatched::DispatchedOrders;
 use super::history::{HistoryFeeder, begin};
 use super::keeping::CellLogKeeper;
 use super::log::{CellLogError, known};
@@ -109,10 +110,10 @@ impl CellThread {
         node: &mut RosNode,
         last_orders: impl FnOnce() + Send + 'static,
     ) -> Result<Self, CellError> {
-        let (says, from, tasks) = open(node, &options.line)?;
+        let (says, dispatch, from, tasks) = open(node, &options.line)?;
         let (say, situation) = watch::channel(LineSituation::new(options.line.stations.len()));
         let (tell_apart, apart) = watch::channel(IsolatedStations::default());
-        let mut player = CellLoop::new(options, says, from, situation, tell_apart)?;
+        let mut player = CellLoop::new(options, (says, dispatch), from, situation, tell_apart)?;
         // Before any station is received: a station that is stopped is no emergency stop of the line.
         player.tell_apart(false);
         let (end, ended) = oneshot::channel();
@@ -193,6 +194,8 @@ pub(super) struct CellLoop {
     clock: Clock,
     pub(super) told: Vec<PlayerMessage>,
     pub(super) people: PendingReplies,
+    /// Orders that programs follow.
+    pub(super) dispatched: DispatchedOrders,
     /// Reasons why stations can do nothing now, from their states; and the inputs that sense their parts.
     unable: Vec<Option<StationUnavailable>>,
     /// The fault text of each station.
@@ -208,7 +211,7 @@ pub(super) struct CellLoop {
 impl CellLoop {
     fn new(
         options: CellNodeOptions,
-        says: CellPublishers,
+        (says, dispatch): (CellPublishers, ActionOwner<DispatchOrder>),
         from: mpsc::Receiver<CellInbound>,
         situation: watch::Receiver<LineSituation>,
         apart: watch::Sender<IsolatedStations>,
@@ -254,6 +257,7 @@ impl CellLoop {
             clock: Clock::start(),
             told: Vec::new(),
             people: PendingReplies::default(),
+            dispatched: DispatchedOrders::new(dispatch),
             unable: vec![None; line.stations.len()],
             faults: vec![String::new(); line.stations.len()],
             sensors: wire::sensors(&cell, &line),
@@ -340,6 +344,7 @@ impl CellLoop {
             CellInbound::Answer(..)
             | CellInbound::Resource(..)
             | CellInbound::Submit(..)
+            | CellInbound::Goal(..)
             | CellInbound::Cancel(..)
             | CellInbound::Withdraw(..) => self.request(news),
             CellInbound::Why(about, reply) => {
@@ -385,6 +390,7 @@ impl CellLoop {
             }
             self.planning.request(now, self.coordination.state());
         }
+        self.follow_goals();
         let is_unattended = self.is_halted();
         self.apart.send_if_modified(|now| std::mem::replace(&mut now.is_unattended, is_unattended) != is_unattended);
         self.changed |= self.message.starting != may_start;

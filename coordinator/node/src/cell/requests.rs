@@ -10,7 +10,7 @@ use linewright_msgs::{
     AnswerAlarmResponse, ChangeOrderResponse, SetResourceRequest, SetResourceResponse, SubmitOrders,
 };
 use linewright_node_line::quoted;
-use linewright_node_shell::{ServiceReply, fresh_key};
+use linewright_node_shell::{GoalAsked, ServiceReply, fresh_key};
 use linewright_orders::LeaveWay;
 
 use super::pending_replies::{AnsweringOperator, Requester, denied_all};
@@ -86,7 +86,11 @@ impl CellLoop {
     /// Takes a request, unless its result could not be written down.
     pub(super) fn request(&mut self, request: CellInbound) {
         let now = self.now();
-        let is_new = matches!(request, CellInbound::Submit(..));
+        let is_new = match &request {
+            CellInbound::Submit(..) => true,
+            CellInbound::Goal(asked) => matches!(asked.asked, GoalAsked::New(_)),
+            _ => false,
+        };
         let refusal = self.log.as_mut().and_then(|log| log.refusal(now, is_new));
         match (request, refusal) {
             (CellInbound::Answer(_, _, _, reply), Some(reason)) => {
@@ -112,6 +116,7 @@ impl CellLoop {
                     Err(reason) => reply.send(SetResourceResponse { accepted: false, reason }),
                 }
             }
+            (CellInbound::Goal(asked), refusal) => self.goal(asked, refusal),
             (CellInbound::Submit(_, reply), Some(reason)) => reply.send(denied_all(vec![reason])),
             (CellInbound::Submit(asked, reply), None) => self.submit(&asked.requests, reply),
             (CellInbound::Cancel(_, reply) | CellInbound::Withdraw(_, reply), Some(reason)) => {

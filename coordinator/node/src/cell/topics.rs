@@ -3,12 +3,12 @@
 use linewright_coordinator_cell::{OrderKey, OrderMessage};
 use linewright_line::{Line, StationId};
 use linewright_msgs::{
-    AnswerAlarm, CellState, ChangeOrder, OrderState, RunTask, SecureOrder, SetResource, SetResourceRequest,
-    StationState, SubmitOrders, SubmitOrdersRequest, WhyNot,
+    AnswerAlarm, CellState, ChangeOrder, DispatchOrder, DispatchOrderGoal, OrderState, RunTask, SecureOrder,
+    SetResource, SetResourceRequest, StationState, SubmitOrders, SubmitOrdersRequest, WhyNot,
 };
 use linewright_node_shell::{
-    ActionCaller, Forward, Mapping, MessagePace, Publisher, RosNode, ServiceReply, TopicError, forward_present, qos,
-    serve,
+    ActionCaller, ActionOwner, Forward, GoalRequest, Mapping, MessagePace, Publisher, RosNode, ServiceReply,
+    TopicError, forward_present, qos, serve, serve_action,
 };
 use linewright_orders::LeaveWay;
 use tokio::sync::mpsc;
@@ -25,6 +25,8 @@ pub enum CellInbound {
     Cancel(String, ServiceReply<ChangeOrder>),
     /// An order is to be as if it had never been.
     Withdraw(String, ServiceReply<ChangeOrder>),
+    /// A program makes an order by a goal, or cancels that.
+    Goal(GoalRequest<DispatchOrderGoal>),
     /// Further state of a task-driven station.
     State(StationId, Box<StationState>),
     /// Answer to an alarm: its number, the answer, and the operator's name.
@@ -76,7 +78,7 @@ const QUEUE: usize = 1024;
 pub fn open(
     node: &mut RosNode,
     line: &Line,
-) -> Result<(CellPublishers, mpsc::Receiver<CellInbound>, Vec<Forward>), TopicError> {
+) -> Result<(CellPublishers, ActionOwner<DispatchOrder>, mpsc::Receiver<CellInbound>, Vec<Forward>), TopicError> {
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
         serve(node.service::<SubmitOrders>("~/submit_order")?, to.clone(), CellInbound::Submit),
@@ -92,6 +94,9 @@ pub fn open(
         serve(node.service::<SetResource>("~/set_resource")?, to.clone(), CellInbound::Resource),
         serve(node.service::<WhyNot>("~/why_not")?, to.clone(), |asked, reply| CellInbound::Why(asked.about, reply)),
     ];
+    let dispatch = node.action::<DispatchOrder>("~/dispatch_order")?;
+    let (dispatch, task) = serve_action(dispatch, to.clone(), CellInbound::Goal);
+    tasks.push(task);
     let mut says =
         CellPublishers { state: node.publisher("~/cell_state", qos::latched_state())?, stations: Vec::new() };
     let pace = MessagePace::new(line.timing.refresh, line.timing.stale);
@@ -111,5 +116,5 @@ pub fn open(
             secure: node.publisher(&format!("{name}/secure"), qos::command())?,
         });
     }
-    Ok((says, from, tasks))
+    Ok((says, dispatch, from, tasks))
 }

@@ -224,7 +224,8 @@ pub fn parts(count: u32) -> String {
     if count == 1 { "1 part".to_owned() } else { format!("{count} parts") }
 }
 
-fn ordered(production: &Production, order: &ProductionOrder, now: Tick) -> ProductionState {
+/// A production order as a message.
+pub fn ordered(production: &Production, order: &ProductionOrder, now: Tick) -> ProductionState {
     let status = production.status(order, now);
     let (number, text) = match &status {
         ProductionStatus::Waiting { on, until } => {

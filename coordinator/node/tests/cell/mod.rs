@@ -2,6 +2,7 @@
 //! from the bytes of their logs; the database beside the log; and the planner on its thread.
 
 mod crash;
+mod dispatched;
 mod full_disk;
 mod history;
 mod log;
