@@ -34,7 +34,7 @@ use super::log::{CellLogError, known};
 use super::pending_replies::PendingReplies;
 use super::planning::CellPlanning;
 use super::requests::PlayerMessage;
-use super::topics::{CellInbound, CellPublishers, open};
+use super::topics::{CellInbound, CellPublishers, CellTopics, open};
 use super::why::why;
 use super::wire;
 use super::words::{NewestReports, describe};
@@ -110,7 +110,7 @@ impl CellThread {
         node: &mut RosNode,
         last_orders: impl FnOnce() + Send + 'static,
     ) -> Result<Self, CellError> {
-        let (says, dispatch, from, tasks) = open(node, &options.line)?;
+        let CellTopics { says, dispatch, from, tasks } = open(node, &options.line)?;
         let (say, situation) = watch::channel(LineSituation::new(options.line.stations.len()));
         let (tell_apart, apart) = watch::channel(IsolatedStations::default());
         let mut player = CellLoop::new(options, (says, dispatch), from, situation, tell_apart)?;

@@ -74,11 +74,16 @@ impl CellPublishers {
 /// Enough for a burst of every station's state while a decision is computed; the rest waits in the middleware.
 const QUEUE: usize = 1024;
 
+/// Topics, services and the action of a cell.
+pub struct CellTopics {
+    pub says: CellPublishers,
+    pub dispatch: ActionOwner<DispatchOrder>,
+    pub from: mpsc::Receiver<CellInbound>,
+    pub tasks: Vec<Forward>,
+}
+
 /// Opens every topic and service of a cell.
-pub fn open(
-    node: &mut RosNode,
-    line: &Line,
-) -> Result<(CellPublishers, ActionOwner<DispatchOrder>, mpsc::Receiver<CellInbound>, Vec<Forward>), TopicError> {
+pub fn open(node: &mut RosNode, line: &Line) -> Result<CellTopics, TopicError> {
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
         serve(node.service::<SubmitOrders>("~/submit_order")?, to.clone(), CellInbound::Submit),
@@ -116,5 +121,5 @@ pub fn open(
             secure: node.publisher(&format!("{name}/secure"), qos::command())?,
         });
     }
-    Ok((says, dispatch, from, tasks))
+    Ok(CellTopics { says, dispatch, from, tasks })
 }
