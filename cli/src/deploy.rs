@@ -89,10 +89,17 @@ pub fn run(args: &Args, ros: &RosArgs) -> miette::Result<ExitCode> {
             return Err(miette!(help = "give another --out, or --force", "{} is not empty", dir.display()));
         }
     }
+    let is_v4 = |network: &String| !network.contains(':');
+    if hosts.len() > 1 && !args.networks.iter().any(is_v4) {
+        return Err(miette!("several hosts need a network of IPv4: nodes find each other by it alone"));
+    }
     let fingerprint = cell.as_ref().map_or(line.fingerprint(), |cell| cell.fingerprint(&line));
     for (host, nodes) in &hosts {
         write_host(args, ros, (&line, cell.is_some()), (host, nodes), hosts.len() > 1)?;
         crate::out::say!("{host}: {}", nodes.join(", "));
+    }
+    for name in modbus_hosts(&line).filter(|host| host.parse::<IpAddr>().is_err()) {
+        crate::out::complain!("the address of Modbus device {name} is not known: allow it with --network ADDRESS/32");
     }
     crate::out::say!("fingerprint of the description: {fingerprint:016x}");
     crate::out::say!("next:  copy each directory to its host, and run `sudo sh install.sh` in it there");
@@ -162,7 +169,7 @@ fn write_host(
         written.push((format!("{units}/linewright-station@.service"), STATION.into()));
         written.push((format!("{units}/linewright-station@.service.d/network.conf"), network.into_bytes()));
     }
-    let script = install_script(host, nodes, written.iter().map(|(file, _)| file.as_str()));
+    let script = install_script(&line.name, host, nodes, written.iter().map(|(file, _)| file.as_str()));
     written.push(("install.sh".to_owned(), script.into_bytes()));
     for (file, bytes) in written {
         let path = dir.join(&file);
@@ -198,6 +205,12 @@ fn environment(args: &Args, ros: &RosArgs, line: &Line, is_one_of_several: bool)
     )
 }
 
+/// Hosts of the Modbus devices, as the description has them.
+fn modbus_hosts(line: &Line) -> impl Iterator<Item = &str> {
+    let addresses = line.devices.iter().filter_map(|device| device.modbus()).map(|modbus| modbus.address.as_str());
+    addresses.map(|address| address.rsplit_once(':').map_or(address, |(host, _)| host).trim_matches(['[', ']']))
+}
+
 /// Part of a service: the addresses that it takes packets from and sends to.
 fn drop_in(args: &Args, line: &Line) -> String {
     let mut allowed = vec!["localhost".to_owned()];
@@ -207,12 +220,11 @@ fn drop_in(args: &Args, line: &Line) -> String {
         allowed.push("239.255.0.1".to_owned());
     }
     let mut named = String::new();
-    for address in line.devices.iter().filter_map(|device| device.modbus()).map(|modbus| &modbus.address) {
-        let host = address.rsplit_once(':').map_or(address.as_str(), |(host, _)| host).trim_matches(['[', ']']);
+    for host in modbus_hosts(line) {
         match host.parse::<IpAddr>() {
             Ok(address) => allowed.push(address.to_string()),
             Err(_) => {
-                let _ = writeln!(named, "# {host} is a name: add its address to IPAddressAllow.");
+                let _ = writeln!(named, "# {host} is a name: its address has to be among these.");
             }
         }
     }
@@ -220,8 +232,13 @@ fn drop_in(args: &Args, line: &Line) -> String {
     format!("{named}[Service]\nIPAddressDeny=any\nIPAddressAllow={}\n", allowed.join(" "))
 }
 
+/// A word of a shell script.
+fn quoted(word: &str) -> String {
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
 /// Installs what lies beside it, and starts it. What is there already is replaced; state directories are left alone.
-fn install_script<'a>(host: &str, nodes: &[&str], files: impl Iterator<Item = &'a str>) -> String {
+fn install_script<'a>(line: &str, host: &str, nodes: &[&str], files: impl Iterator<Item = &'a str>) -> String {
     let units: Vec<String> = nodes
         .iter()
         .map(|node| match *node {
@@ -230,7 +247,8 @@ fn install_script<'a>(host: &str, nodes: &[&str], files: impl Iterator<Item = &'
         })
         .collect();
     let units = units.join(" ");
-    let installs: String = files.map(|file| format!("install -D -m 644 '{file}' '/{file}'\n")).collect();
+    let installs: String =
+        files.map(|file| format!("install -D -m 644 {} {}\n", quoted(file), quoted(&format!("/{file}")))).collect();
     format!(
         r#"#!/bin/sh
 # Installs the part of the line that runs on {host}. Run it as root in this directory, with the line at stand-by.
@@ -246,12 +264,26 @@ if [ "$found" != "$wanted" ]; then
     echo "this was written by '$wanted', and here is '$found': install the same program as /usr/bin/linewright on each host" >&2
     exit 1
 fi
+installed="$(sed -n 's/^LINE=//p' /etc/linewright/environment 2>/dev/null || true)"
+if [ -n "$installed" ] && [ "$installed" != '/etc/linewright/{line}' ]; then
+    echo "$installed is installed here: end it with 'systemctl disable --now linewright-*' and remove /etc/linewright/environment first" >&2
+    exit 1
+fi
+# A node that has moved to another host must not control the same machine from here.
+for unit in $(systemctl list-units --all --plain --no-legend 'linewright-coordinator.service' 'linewright-station@*.service' | awk '{{print $1}}') \
+    $(ls /etc/systemd/system/multi-user.target.wants 2>/dev/null | grep -E '^linewright-(coordinator|station@.*)\.service$' || true); do
+    case " {services} " in
+    *" $unit "*) ;;
+    *) systemctl disable --now "$unit" ;;
+    esac
+done
 id linewright >/dev/null 2>&1 || useradd --system --no-create-home linewright
 {installs}systemctl daemon-reload
 systemctl enable {units}
 systemctl restart {units}
 systemctl --no-pager status {units} || true
 "#,
+        services = units.split(' ').map(|unit| format!("{unit}.service")).collect::<Vec<_>>().join(" "),
         version = format_args!("linewright {}", env!("LINEWRIGHT_VERSION")),
     )
 }
@@ -279,7 +311,10 @@ mod tests {
         let errors = [
             (given(&[("mill_1", "b")]), "no host for coordinator, transfer, clamp_1"),
             (given(&[("mill_1", "b"), ("mill_1", "c"), ("*", "a")]), "`mill_1` has two hosts: b and c"),
-            (given(&[("mill_2", "b"), ("*", "a")]), "no station `mill_2` in transfer_line; it has transfer, clamp_1, mill_1"),
+            (
+                given(&[("mill_2", "b"), ("*", "a")]),
+                "no station `mill_2` in transfer_line; it has transfer, clamp_1, mill_1",
+            ),
         ];
         for (placed, expected) in errors {
             assert_eq!(hosts(&line, &placed).expect_err(expected).to_string(), expected);

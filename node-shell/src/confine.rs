@@ -5,7 +5,8 @@
 //! device alone: the kernel drops the rest before it is read.
 //!
 //! The library gives no access to its sockets. A process may duplicate descriptors of its own by their number (`pidfd_getfd` on itself, Linux
-//! 5.6); an option that is set on the duplicate is one of the socket. Binding to a device without privileges takes Linux 5.7.
+//! 5.6); an option that is set on the duplicate is one of the socket. Binding to a device without privileges takes Linux 5.7. What arrives in the
+//! milliseconds between the opening of a socket and that is still read.
 
 use std::collections::HashSet;
 use std::ffi::OsString;

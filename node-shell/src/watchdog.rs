@@ -11,6 +11,7 @@
 
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread;
 use std::time::Duration;
@@ -54,10 +55,11 @@ impl Watchdog {
         let last: Arc<LastFeed> = Arc::default();
         let (seen, at_the_end, name) = (Arc::downgrade(&fed), last.clone(), name.to_owned());
         let spawned = thread::Builder::new().name("watchdog".to_owned()).spawn(move || {
-            let mut is_ready = false;
+            let manager = if is_of_node { informs_manager() } else { None };
             let fed = || {
-                if is_of_node {
-                    notify(&mut is_ready);
+                if let Some(manager) = &manager {
+                    // One that waits still stands for this one too.
+                    let _ = manager.try_send(());
                 }
             };
             if stands_still(&seen, limit / PIECES, fed) {
@@ -86,15 +88,21 @@ impl Watchdog {
     }
 }
 
-/// Informs the service manager that the node is alive, and of the first time that it is ready. A manager that does not take it ends the
-/// service by its own rule.
-fn notify(is_ready: &mut bool) {
-    let states = [NotifyState::Watchdog, NotifyState::Ready];
-    let number = if *is_ready { 1 } else { 2 };
-    match sd_notify::notify(&states[..number]) {
-        Ok(()) => *is_ready = true,
-        Err(error) => tracing::debug!("the service manager was not informed: {error}"),
-    }
+/// Informs the service manager of each message that the node is alive, and of the first one that it is ready; in a thread of its own, since a
+/// manager that does not read holds up what is sent to it. None where the operating system gives no thread.
+fn informs_manager() -> Option<SyncSender<()>> {
+    let (to, from) = sync_channel(1);
+    let inform = move || {
+        let states = [NotifyState::Watchdog, NotifyState::Ready];
+        let mut number = states.len();
+        for () in from {
+            match sd_notify::notify(&states[..number]) {
+                Ok(()) => number = 1,
+                Err(error) => tracing::debug!("the service manager was not informed: {error}"),
+            }
+        }
+    };
+    thread::Builder::new().name("service manager".to_owned()).spawn(inform).is_ok().then_some(to)
 }
 
 /// Waits until it was not fed for [`PIECES`] in a row, or no feeder is left; true in the first case. Calls `alive` after each piece in which

@@ -196,7 +196,7 @@ fn a_part_is_decided_with_the_direct_arrows_of_what_it_leaves_out() {
                 }
                 let what = format!("seed {seed}, without arrow {index}: {}", part.names());
                 let mut with = line.clone();
-                with.arrows.extend(direct);
+                with.arrows.extend(direct.into_iter().map(|(_, arrow)| arrow));
                 assert!(every_circuit_has_a_token(&with).is_ok() && home_is_consistent(&with).is_ok(), "{what}");
                 let of_with = smallest_parts(&with).into_iter().find(|other| other.stations == part.stations);
                 let of_with = of_with.expect("arrows join no more stations");

@@ -74,7 +74,9 @@ impl LedBack {
             None => "advance alone does not lead it on from here".to_owned(),
         };
         let holders = &line.handling.holders;
-        let hands = holders.iter().filter_map(|holder| if let Grip::Hand(closed) = holder.grip { Some(closed.station) } else { None });
+        let hands = holders
+            .iter()
+            .filter_map(|holder| if let Grip::Hand(closed) = holder.grip { Some(closed.station) } else { None });
         // Where a line describes no holders, its stations may grip all the same.
         let lets_go = match hands.into_iter().any(|of| of == *station) {
             true => "; what it grips it lets go",

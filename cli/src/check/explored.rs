@@ -31,6 +31,9 @@ pub struct Exploration {
     /// conflict's states apart in the part as well.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub direct_arrows: Vec<String>,
+    /// The names of the properties that these arrows are for.
+    #[serde(skip)]
+    pub kept_apart: Vec<String>,
     /// It has more states than were looked at, and what must never be is decided by smaller parts. The rest is open, and not listed.
     #[serde(skip)]
     pub is_left_to_parts: bool,
@@ -86,6 +89,7 @@ impl Exploration {
             help: None,
             left_out: Vec::new(),
             direct_arrows: Vec::new(),
+            kept_apart: Vec::new(),
             is_left_to_parts: false,
             is_restarted: false,
             properties,

@@ -58,7 +58,13 @@ impl<'a> Explorer<'a> {
         };
         // Arrows join the stations of a part to those outside it; one that is explored alone has none.
         if what == PART {
-            let arrows: Vec<String> = direct_arrows(line, &part).iter().map(|arrow| written(line, arrow)).collect();
+            let (mut arrows, mut kept_apart) = (Vec::new(), Vec::new());
+            for (at, arrow) in direct_arrows(line, &part) {
+                arrows.push(written(line, &arrow));
+                kept_apart.push(format!("never: {}", part.line.conflicts[at].why));
+            }
+            arrows.sort_unstable();
+            arrows.dedup();
             let outside = line.station_ids().filter(|id| !part.stations.contains(id));
             let outside: Vec<String> = outside.map(|id| line.station(id).name.clone()).collect();
             for exploration in &mut explored {
@@ -67,6 +73,7 @@ impl<'a> Explorer<'a> {
                 let is_open = exploration.properties.iter().any(LineFinding::is_open_by_parts);
                 if is_open && exploration.direct_arrows.is_empty() {
                     exploration.direct_arrows.clone_from(&arrows);
+                    exploration.kept_apart.clone_from(&kept_apart);
                 }
             }
         }
@@ -129,6 +136,7 @@ impl Exploration {
             help: None,
             left_out: Vec::new(),
             direct_arrows: Vec::new(),
+            kept_apart: Vec::new(),
             is_left_to_parts: false,
             is_restarted: false,
             properties: conflicts.chain(whole).map(property).collect(),

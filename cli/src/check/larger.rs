@@ -39,6 +39,7 @@ pub fn take_over(found: &mut [Exploration], parts: &[PartFound]) {
                     finding.verdict = "holds";
                     finding.reason = format!("in the larger part of {scope}");
                     finding.counterexample = None;
+                    finding.is_left_open = false;
                 }
                 is_settled = true;
             }
@@ -86,6 +87,7 @@ mod tests {
             help: None,
             left_out: Vec::new(),
             direct_arrows: Vec::new(),
+            kept_apart: Vec::new(),
             is_left_to_parts: false,
             is_restarted: scope.contains("restarted"),
             properties: verdicts.iter().map(finding).collect(),

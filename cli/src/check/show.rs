@@ -120,7 +120,7 @@ fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
         (0, 0) => writeln!(out, "\n{sign} {name}: {all} checks hold{warnings}{}", left_out(report)),
         (0, open) => {
             let has_arrows = report.explorations.iter().any(|exploration| !exploration.direct_arrows.is_empty());
-            let remedy = if has_arrows { "; the arrows named below the parts decide conflicts" } else { "" };
+            let remedy = if has_arrows { "; arrows named below the parts decide some of them" } else { "" };
             writeln!(out, "\n? {name}: {open} of {all} checks are undecided{warnings}{remedy}")
         }
         (failed, 0) => writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold{warnings}"),
@@ -153,7 +153,7 @@ fn of_exploration(exploration: &Exploration, out: &mut String) -> std::fmt::Resu
                 false => writeln!(out, "{} {name}\n  each of these: {reason}", sign(verdict))?,
             }
             // Where arrows to be written exclude it, the way to it is of no line.
-            if let Some(counterexample) = counterexample.as_ref().filter(|_| exploration.direct_arrows.is_empty()) {
+            if let Some(counterexample) = counterexample.as_ref().filter(|_| !exploration.kept_apart.contains(name)) {
                 story(counterexample, out)?;
             }
         }

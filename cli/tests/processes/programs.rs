@@ -96,12 +96,15 @@ fn programs_command_the_mode_by_the_rules_of_the_topic_and_are_answered() {
     let mut stranger = Stranger::join(&rig);
     let mut log = stranger.node.subscription::<Log>("/rosout", qos::log()).expect("a topic");
     let set = stranger.caller::<SetMode>("/transfer_line/coordinator/set_mode");
-    let [stop, estop, start, reset] = ["stop", "estop", "start", "reset"]
-        .map(|name| stranger.caller::<Trigger>(&format!("/transfer_line/coordinator/{name}")));
+    let [stop, estop] =
+        ["stop", "estop"].map(|name| stranger.caller::<Trigger>(&format!("/transfer_line/coordinator/{name}")));
     assert_eq!(meet(&stranger, &set), "unknown command 0; commands: START (1) to RESET (7)");
+    let unstamped = stranger.ask(&set, &SetModeRequest { command: SetModeRequest::START, ..SetModeRequest::default() });
+    assert!(!unstamped.accepted && unstamped.reason.contains("without `stamp`"), "{}", unstamped.reason);
     let give = |command: u8| {
         let (by, note) = ("scada".to_owned(), "shift begins".to_owned());
-        stranger.ask(&set, &SetModeRequest { command, by, note, ..SetModeRequest::default() })
+        let stamp = Time { sec: 1_000_000, nanosec: 0 };
+        stranger.ask(&set, &SetModeRequest { command, stamp, by, note, ..SetModeRequest::default() })
     };
 
     let refused = give(SetModeRequest::AUTO);
@@ -131,10 +134,10 @@ fn programs_command_the_mode_by_the_rules_of_the_topic_and_are_answered() {
     assert!(trigger(&estop).success);
     operator.wait("emergency stop", |h| h.line.mode == StationState::MODE_ESTOP);
     assert!(stamped(SetModeRequest::ESTOP, 1).accepted, "this one is never too late");
-    let start = trigger(&start);
-    assert!(!start.success && start.message.contains("emergency stop"), "{}", start.message);
-    let reset = trigger(&reset);
-    assert!(reset.success && reset.message.contains("reset; select manual"), "{}", reset.message);
+    let start = give(SetModeRequest::START);
+    assert!(!start.accepted && start.reason.contains("emergency stop"), "{}", start.reason);
+    let reset = give(SetModeRequest::RESET);
+    assert!(reset.accepted && reset.reason.contains("reset; select manual"), "{}", reset.reason);
 
     let mut came = Vec::new();
     let is_there = |came: &[Log]| {

@@ -52,6 +52,7 @@ pub fn words_of(request: &Request) -> Result<String, String> {
             return Err(format!("unknown command {other}; commands: START ({first}) to RESET ({last})"));
         }
     };
-    let station = request.station.trim();
+    // The emergency stop is the line's, whatever stands beside it.
+    let station = if command == ModeCommand::EStop { "" } else { request.station.trim() };
     Ok(if station.is_empty() { command.name().to_owned() } else { format!("{} {station}", command.name()) })
 }

@@ -1,10 +1,10 @@
-//! Commands of the mode by services: `~/set_mode`, and `~/start`, `~/stop`, `~/estop`, `~/reset` without anything to fill in.
+//! Commands of the mode by services: `~/set_mode`, and `~/stop`, `~/estop` without anything to fill in.
 //!
 //! They are the commands of the topic `mode_cmd`: queued, decided and refused with them. Here is only how a request is put into the words
 //! of the topic, and that its answer follows what the command has caused, its record included.
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_msgs::{SetMode, SetModeRequest, SetModeResponse, Trigger, TriggerResponse, fitting};
+use linewright_msgs::{SetMode, SetModeRequest, SetModeResponse, Time, Trigger, TriggerResponse, fitting};
 use linewright_node_line::quoted;
 use linewright_node_shell::{ClientDelays, Forward, RosNode, ServiceReply, TopicError, serve};
 use linewright_station_shell::ParticipantId;
@@ -21,7 +21,8 @@ pub struct ModeRequest {
     words: Result<String, String>,
     /// Operator and reason, for the log.
     remark: String,
-    is_timely: bool,
+    /// Why it may be late, if it may.
+    lateness: Option<&'static str>,
     reply: ModeReply,
 }
 
@@ -39,24 +40,31 @@ pub(crate) struct TakenCommand {
     is_stop: bool,
 }
 
-/// The commands that have a service of their own. None of them begins a motion.
-const TRIGGERS: [ModeCommand; 4] = [ModeCommand::Start, ModeCommand::Stop, ModeCommand::EStop, ModeCommand::Reset];
+/// The commands that have a service of their own, without a stamp. They only stop: a request that a cut link has held up does no harm. *Start*
+/// would take back a stop that was given meanwhile, and *reset* end an emergency stop.
+const TRIGGERS: [ModeCommand; 2] = [ModeCommand::Stop, ModeCommand::EStop];
 
 impl ModeRequest {
     fn set(request: &SetModeRequest, delays: &mut ClientDelays, reply: ServiceReply<SetMode>) -> Self {
-        let is_timely = delays.offer(reply.client(), &request.stamp);
+        let only_stops = [SetModeRequest::STOP, SetModeRequest::ESTOP].contains(&request.command);
+        let lateness = match request.stamp == Time::default() {
+            true if only_stops => None,
+            true => Some("without `stamp`, the time of the command, nothing shows whether it comes late"),
+            false if delays.offer(reply.client(), &request.stamp) => None,
+            false => Some("it came more than 2 s late; give it again"),
+        };
         let remark = match (request.by.trim(), request.note.trim()) {
             ("", "") => String::new(),
             (by, "") => format!(", by {}", quoted(by)),
             ("", note) => format!(": {}", quoted(note)),
             (by, note) => format!(", by {}: {}", quoted(by), quoted(note)),
         };
-        ModeRequest { words: words_of(request), remark, is_timely, reply: ModeReply::Set(reply) }
+        ModeRequest { words: words_of(request), remark, lateness, reply: ModeReply::Set(reply) }
     }
 
     fn trigger(command: ModeCommand, reply: ServiceReply<Trigger>) -> Self {
         let (words, remark) = (Ok(command.name().to_owned()), String::new());
-        ModeRequest { words, remark, is_timely: true, reply: ModeReply::Trigger(reply) }
+        ModeRequest { words, remark, lateness: None, reply: ModeReply::Trigger(reply) }
     }
 
     /// Whether it is the emergency stop, which waits for nothing and is never too late.
@@ -108,7 +116,7 @@ impl CoordinatorLoop {
     pub(crate) fn mode_asked(&mut self, asked: ModeRequest) {
         let (from, is_stop) = (asked.reply.participant(), asked.is_emergency_stop());
         let doubt = if is_stop { None } else { self.shell.against_requests(self.clock.now()).map(str::to_owned) };
-        let late = (!is_stop && !asked.is_timely).then(|| "it came more than 2 s late; give it again".to_owned());
+        let late = asked.lateness.filter(|_| !is_stop).map(str::to_owned);
         let refused = match (asked.words, late.or(doubt)) {
             (Err(unknown), _) => Some(self.refuse(from, unknown)),
             (Ok(words), Some(why)) => Some(self.refuse(from, format!("{}: {why}", quoted(&words)))),

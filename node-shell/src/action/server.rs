@@ -42,6 +42,13 @@ pub struct ActionOffer<A: RosAction> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct GoalHandle(pub(crate) GoalId);
 
+impl GoalHandle {
+    /// The 16 bytes that its client has given it, as a number.
+    pub fn key(self) -> u128 {
+        self.0.uuid.as_u128()
+    }
+}
+
 /// Request to the owner of an action.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GoalRequest<G> {

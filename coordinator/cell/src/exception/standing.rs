@@ -70,7 +70,8 @@ impl Coordination {
     }
 
     /// Where the station of a resource should stand and does not; none as well where that is not decided: something is under way
-    /// there, its rest is not known, there is room for several parts, or one of the next activities tells the station nothing.
+    /// there, its rest is not known, there is room for several parts, one of the next activities has no order for the station, or another one
+    /// begins where it stands.
     pub(super) fn wrong_rest(&self, resource: ResourceId) -> Option<WrongRest> {
         let (state, table) = (&self.state, self.state.table());
         let handling = table.handling();
@@ -93,6 +94,15 @@ impl Coordination {
         };
         let begins =
             |mode: ModeId| handling.mode(mode).begins.iter().find(|(id, _)| *id == station).map(|(_, rest)| *rest);
+        // An activity of other resources that begins where it stands may lead it on.
+        let is_led_on = table.modes().any(|mode| {
+            let handled = handling.mode(mode);
+            let is_of_others = ![handled.from, handled.to].contains(&Some(resource)) || handled.from == handled.to;
+            is_of_others && begins(mode) == Some(stands)
+        });
+        if is_led_on {
+            return None;
+        }
         let wanted: Vec<(ModeId, RestId)> =
             next.iter().map(|&mode| Some((mode, begins(mode)?))).collect::<Option<_>>()?;
         let &(next, rest) = wanted.first().filter(|_| wanted.iter().all(|(_, rest)| *rest != stands))?;

@@ -8,7 +8,7 @@ use linewright_coordinator_cell::{ProductionId, RequestId};
 use linewright_line::Tick;
 use linewright_msgs::{DispatchOrder, DispatchOrderFeedback, DispatchOrderGoal, DispatchOrderResult, ProductionState};
 use linewright_node_line::quoted;
-use linewright_node_shell::{ActionOwner, GoalAsked, GoalEnd, GoalHandle, GoalRequest, fresh_key};
+use linewright_node_shell::{ActionOwner, GoalAsked, GoalEnd, GoalHandle, GoalRequest};
 
 use super::pending_replies::{GoalNews, Requester};
 use super::play::CellLoop;
@@ -116,7 +116,8 @@ impl CellLoop {
     fn order_by_goal(&mut self, goal: GoalHandle, wanted: &DispatchOrderGoal) {
         let DispatchOrderGoal { request, by } = wanted;
         tracing::info!("order {}: request by an action{}", quoted(&request.name), by_whom(by));
-        match wire::request(request, fresh_key()) {
+        // A goal that is given twice, since its acceptance was lost, is one order.
+        match wire::request(request, goal.key()) {
             Ok(request) => {
                 let told = ProductionState::default();
                 self.dispatched.goals.push(FollowedGoal { goal, order: None, told, is_cancelled: false });

@@ -34,8 +34,8 @@ use linewright_line::{Arrow, Conflict, Line, StateSpan, StationId};
 use thiserror::Error;
 
 use super::every_circuit_has_a_token;
-use crate::parts::SubLine;
 use super::{ChartIndex, EventGraph};
+use crate::parts::SubLine;
 use crate::structure::full_name;
 
 /// The most that the lags and the crossings of a separated conflict come to.
@@ -166,7 +166,9 @@ impl<'a> Lags<'a> {
                 Some(at) => {
                     *arrows = vec![at];
                     let arrow = written(line, &line.arrows[at]);
-                    format!("in auto alone arrows keep them apart; manual gets round this one, which has to be without `modes`: {arrow}")
+                    format!(
+                        "in auto alone arrows keep them apart; manual gets round this one, which has to be without `modes`: {arrow}"
+                    )
                 }
                 None => format!("in auto alone arrows keep them apart, and manual gets round them; {text}"),
             };
@@ -316,13 +318,14 @@ pub(super) fn missing_arrows(line: &Line) -> Vec<Arrow> {
 }
 
 /// The arrows between two stations of a part that keep its conflicts apart, and that arrows of stations outside it stand for: with them the
-/// part is as ordered as the line is. Empty where the line does not keep them apart, or the part does.
-pub fn direct_arrows(line: &Line, part: &SubLine) -> Vec<Arrow> {
+/// part is as ordered as the line is. Each with the place of its conflict in the part. Empty where the line does not keep them apart, or the part
+/// does.
+pub fn direct_arrows(line: &Line, part: &SubLine) -> Vec<(usize, Arrow)> {
     let (mut of_line, mut of_part) = (Lags::of(line), Lags::of(&part.line));
     let outside = |station: StationId| part.stations[station.index()];
     let in_line = |of: &StateSpan| StateSpan { station: outside(of.station), ..*of };
     let mut arrows = Vec::new();
-    for conflict in &part.line.conflicts {
+    for (at, conflict) in part.line.conflicts.iter().enumerate() {
         let whole = Conflict { why: conflict.why.clone(), a: in_line(&conflict.a), b: in_line(&conflict.b) };
         if !of_line.is_separated(&whole, ConsideredWaits::Guarded) {
             continue;
@@ -332,8 +335,7 @@ pub fn direct_arrows(line: &Line, part: &SubLine) -> Vec<Arrow> {
             let known = of_part.least(from, to, ConsideredWaits::Guarded).unwrap_or(FAR);
             let (from, to) = ((outside(from.0), from.1), (outside(to.0), to.1));
             let lag = of_line.least(from, to, ConsideredWaits::Guarded).filter(|lag| *lag < known);
-            let arrow = lag.map(|lag| Arrow { from, to, lag, auto: true, manual: true });
-            arrows.extend(arrow.filter(|arrow| !arrows.contains(arrow)));
+            arrows.extend(lag.map(|lag| (at, Arrow { from, to, lag, auto: true, manual: true })));
         }
     }
     arrows
