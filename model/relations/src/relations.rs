@@ -105,8 +105,11 @@ pub enum ComponentKind {
 
 impl ComponentKind {
     /// All kinds with their words.
-    pub const ALL: [(&'static str, ComponentKind); 3] =
-        [("actuator", ComponentKind::Actuator), ("sensor", ComponentKind::Sensor), ("variable", ComponentKind::Variable)];
+    pub const ALL: [(&'static str, ComponentKind); 3] = [
+        ("actuator", ComponentKind::Actuator),
+        ("sensor", ComponentKind::Sensor),
+        ("variable", ComponentKind::Variable),
+    ];
 
     /// Whether it can be ordered into a state.
     pub fn is_active(self) -> bool {

@@ -178,7 +178,8 @@ fn executions_table(relations: &Relations) -> Vec<Vec<String>> {
         for (nth, step) in execution.steps().enumerate() {
             let marks = [("b", &step.booked), ("u", &step.released)];
             let marks = marks.iter().filter(|(_, zones)| !zones.is_empty());
-            let marks: Vec<String> = marks.map(|(mark, zones)| format!("{mark}({})", zone_names(relations, zones))).collect();
+            let marks: Vec<String> =
+                marks.map(|(mark, zones)| format!("{mark}({})", zone_names(relations, zones))).collect();
             let mut row = vec![
                 relations.operation(execution.operation).id.clone(),
                 if nth == 0 { executions::INITIAL.to_owned() } else { nth.to_string() },

@@ -12,7 +12,10 @@ pub fn split(text: &str) -> Vec<(usize, SourceText<'_>)> {
     for part in text.split_inclusive("=== ").skip(1) {
         let part = part.strip_suffix("=== ").unwrap_or(part);
         let (name, text_of) = part.split_once('\n').unwrap_or((part, ""));
-        files.push((text_of.as_ptr() as usize - text.as_ptr() as usize, SourceText { name: name.trim(), text: text_of }));
+        files.push((
+            text_of.as_ptr() as usize - text.as_ptr() as usize,
+            SourceText { name: name.trim(), text: text_of },
+        ));
     }
     files
 }

@@ -5,7 +5,8 @@ use proptest::prelude::*;
 
 use crate::files::{FIXTURE, read, split};
 
-const WORDS: [&str; 12] = ["\n=== ", ";", "\t", "(", ")", " or ", "b(2", "initial", "initially ", "alternative", "all", "*"];
+const WORDS: [&str; 12] =
+    ["\n=== ", ";", "\t", "(", ")", " or ", "b(2", "initial", "initially ", "alternative", "all", "*"];
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(u32::try_from(crate::cases::cases(400)).unwrap_or(400)))]

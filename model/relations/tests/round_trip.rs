@@ -1,7 +1,7 @@
 //! What is written out again and read is the same.
 
-use linewright_relations::{Relations, SourceText, parse, write};
 use crate::cases::cases;
+use linewright_relations::{Relations, SourceText, parse, write};
 use proptest::prelude::*;
 
 use crate::files::{FIXTURE, read};
@@ -46,8 +46,11 @@ fn semicolons_and_decimal_commas_are_read_as_well() {
 
 /// Titles and comments with every sign that tables and TOML give a meaning.
 fn any_text() -> impl Strategy<Value = String> {
-    prop::collection::vec(prop::sample::select(vec!['a', '"', ',', ';', '\'', '\\', ' ', 'é', '=', '#', '\n', '\t', '-']), 0..12)
-        .prop_map(|signs| signs.into_iter().collect::<String>().trim().to_owned())
+    prop::collection::vec(
+        prop::sample::select(vec!['a', '"', ',', ';', '\'', '\\', ' ', 'é', '=', '#', '\n', '\t', '-']),
+        0..12,
+    )
+    .prop_map(|signs| signs.into_iter().collect::<String>().trim().to_owned())
 }
 
 proptest! {

@@ -22,13 +22,16 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
     for written in &table.rows {
         let row = row(file, written.line);
         findings.note_row(row, &table, written);
-        let cell = |column: &str| table.column(column).map(|column| &written.cells[column]).filter(|c| !c.value.is_empty());
-        let Some(id) = findings.find(file, &written.cells[operation], "operation", ids.iter().map(String::as_str)) else {
+        let cell =
+            |column: &str| table.column(column).map(|column| &written.cells[column]).filter(|c| !c.value.is_empty());
+        let Some(id) = findings.find(file, &written.cells[operation], "operation", ids.iter().map(String::as_str))
+        else {
             continue;
         };
         let machine = relations.operations[id].machine;
         let way = cell("way").and_then(|cell| parts::name(findings, file, cell, "a way"));
-        let (booked, released) = cell("zones").map_or_else(Default::default, |cell| zones(file, cell, relations, findings));
+        let (booked, released) =
+            cell("zones").map_or_else(Default::default, |cell| zones(file, cell, relations, findings));
         let read = ExecutionStep {
             states: states(&COLUMNS, &table, written, file, machine, relations, findings),
             booked,

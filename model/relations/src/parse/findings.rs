@@ -1,6 +1,6 @@
 //! Findings of all files, and the places of what was read.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use linewright_text::{Located, LocatedName, Problem, Report, TextRange, suggestion};
 
@@ -23,6 +23,10 @@ pub(super) struct Findings<'a> {
     pub reports: Vec<Report>,
     rows: HashMap<TableRow, (TextRange, HashMap<String, TextRange>)>,
     parts: HashMap<Part, TextRange>,
+    /// What has been reported of rows: a row that is in several sequences has its problems once.
+    known: HashSet<(TableRow, String)>,
+    /// Operations that are declared, and not understood: their names are no slips.
+    misread: Vec<String>,
     /// The source that is `relations.toml`.
     pub description: usize,
 }
@@ -30,7 +34,15 @@ pub(super) struct Findings<'a> {
 impl<'a> Findings<'a> {
     pub fn new(sources: &'a [SourceText<'a>], description: usize) -> Self {
         let reports = sources.iter().map(|_| Report::default()).collect();
-        Findings { sources, reports, rows: HashMap::new(), parts: HashMap::new(), description }
+        Findings {
+            sources,
+            reports,
+            rows: HashMap::new(),
+            parts: HashMap::new(),
+            known: HashSet::new(),
+            misread: Vec::new(),
+            description,
+        }
     }
 
     /// Notes where a row is.
@@ -53,14 +65,36 @@ impl<'a> Findings<'a> {
 
     /// Adds an error at a cell of a row.
     pub fn error(&mut self, row: TableRow, column: &str, message: impl Into<String>, hint: impl Into<String>) {
-        let problem = Problem::error(self.cell(row, column), message).hint(hint);
-        self.reports[row.file].add(problem);
+        self.add(row, Problem::error(self.cell(row, column), message).hint(hint));
     }
 
     /// Adds a warning at a cell of a row.
     pub fn warning(&mut self, row: TableRow, column: &str, message: impl Into<String>, hint: impl Into<String>) {
-        let problem = Problem::warning(self.cell(row, column), message).hint(hint);
-        self.reports[row.file].add(problem);
+        self.add(row, Problem::warning(self.cell(row, column), message).hint(hint));
+    }
+
+    fn add(&mut self, row: TableRow, problem: Problem) {
+        if self.known.insert((row, problem.message.clone())) {
+            self.reports[row.file].add(problem);
+        }
+    }
+
+    /// Notes an operation that is declared, and not understood.
+    pub fn note_misread(&mut self, operation: String) {
+        self.misread.push(operation);
+    }
+
+    /// Adds an error about a name that stands for nothing, unless it is that of something that was not understood.
+    pub fn unknown(&mut self, file: usize, name: LocatedName, what: &str, hint: Option<String>) {
+        if !self.misread.contains(&name.value) {
+            let message = format!("unknown {what} `{}`", shown(&name.value));
+            self.reports[file].add_unknown(Problem::error(name.at, message).maybe_hint(hint));
+        }
+    }
+
+    /// Whether anything has an error.
+    pub fn has_errors(&self) -> bool {
+        self.reports.iter().any(Report::has_errors)
     }
 
     /// Adds an error at a part of the description.
@@ -101,10 +135,7 @@ impl<'a> Findings<'a> {
     ) -> Option<usize> {
         let found = known.clone().position(|known| known == name.value);
         if found.is_none() {
-            let message = format!("unknown {what} `{}`", shown(&name.value));
-            self.reports[file].add_unknown(
-                Problem::error(name.at.clone(), message).maybe_hint(suggestion(&name.value, known)),
-            );
+            self.unknown(file, name.clone(), what, suggestion(&name.value, known));
         }
         found
     }

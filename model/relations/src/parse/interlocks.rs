@@ -6,12 +6,22 @@ use super::findings::Findings;
 use super::table::{WrittenRow, WrittenTable};
 use super::{parts, row, table};
 use crate::{
-    ComponentState, Interlock, InterlockState, InterlockTerm, InterlockedAction, MachineId, OperationId, Relations, ZoneId,
+    ComponentState, Interlock, InterlockState, InterlockTerm, InterlockedAction, MachineId, OperationId, Relations,
+    ZoneId,
 };
 
 /// Its columns, those that must be there first; others are components.
 pub(crate) const COLUMNS: [&str; 10] = [
-    "action", "automatic", "to", "way", "zones_before", "zones_after", "not_started", "not_ongoing", "product", "comment",
+    "action",
+    "automatic",
+    "to",
+    "way",
+    "zones_before",
+    "zones_after",
+    "not_started",
+    "not_ongoing",
+    "product",
+    "comment",
 ];
 /// What a state begins with that is needed at the beginning alone.
 pub(crate) const INITIALLY: &str = "initially ";
@@ -26,9 +36,11 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
     for written in &table.rows {
         let row = row(file, written.line);
         findings.note_row(row, &table, written);
-        let cell = |column: &str| table.column(column).map(|column| &written.cells[column]).filter(|c| !c.value.is_empty());
+        let cell =
+            |column: &str| table.column(column).map(|column| &written.cells[column]).filter(|c| !c.value.is_empty());
         let of = &written.cells[action];
-        let Some((action, own)) = interlocked(of, cell("to"), cell("way"), file, relations, &operations, findings) else {
+        let Some((action, own)) = interlocked(of, cell("to"), cell("way"), file, relations, &operations, findings)
+        else {
             continue;
         };
         let is_automatic = match written.cells[automatic].value.to_lowercase().as_str() {
@@ -41,7 +53,8 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
             }
         };
         let all = |findings: &mut Findings<'_>, column: &str, what: &str, known: &[String]| {
-            cell(column).map_or_else(Vec::new, |cell| findings.find_all(file, cell, what, known.iter().map(String::as_str)))
+            cell(column)
+                .map_or_else(Vec::new, |cell| findings.find_all(file, cell, what, known.iter().map(String::as_str)))
         };
         let product = cell("product").filter(|cell| cell.value != "-").map(|cell| {
             findings.find(file, cell, "product", products.iter().map(String::as_str));

@@ -84,7 +84,7 @@ pub fn parse(sources: &[SourceText<'_>]) -> Result<ParsedRelations, Vec<Problems
     };
     let mut findings = Findings::new(sources, description);
     let relations = understand(&mut findings);
-    let is_wrong = findings.reports.iter().any(linewright_text::Report::has_errors);
+    let is_wrong = findings.has_errors();
     let reports = findings.reports.into_iter().zip(sources);
     let problems = reports.map(|(report, source)| report.into_problems(source.name, source.text));
     let problems: Vec<Problems> = problems.filter(|problems| !problems.is_empty()).collect();
@@ -115,7 +115,12 @@ fn understand(findings: &mut Findings<'_>) -> Option<Relations> {
         let files: Vec<usize> = findings.sources.iter().enumerate().filter(of_kind).map(|(file, _)| file).collect();
         if files.is_empty() && matches!(kind, TableKind::Operations | TableKind::Relations) {
             let problem = Problem::error(0..0, format!("there is no table {begin}.csv beside this file"));
-            findings.reports[findings.description].add(problem.hint(format!("files whose names begin with `{begin}` are read")));
+            findings.reports[findings.description]
+                .add(problem.hint(format!("files whose names begin with `{begin}` are read")));
+        }
+        // Without operations every name in the other tables would stand for nothing.
+        if relations.operations.is_empty() && kind != TableKind::Operations {
+            break;
         }
         for file in files {
             match kind {
@@ -126,7 +131,7 @@ fn understand(findings: &mut Findings<'_>) -> Option<Relations> {
             }
         }
     }
-    if !findings.reports.iter().any(linewright_text::Report::has_errors) {
+    if !findings.has_errors() {
         rules::check(&relations, findings);
     }
     Some(relations)

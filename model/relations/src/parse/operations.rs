@@ -22,7 +22,8 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
     for written in &table.rows {
         let row = row(file, written.line);
         findings.note_row(row, &table, written);
-        let cell = |column: &str| table.column(column).map(|column| &written.cells[column]).filter(|c| !c.value.is_empty());
+        let cell =
+            |column: &str| table.column(column).map(|column| &written.cells[column]).filter(|c| !c.value.is_empty());
         if relations.operations.len() == OPERATIONS_MAX {
             findings.error(row, "id", format!("more than {OPERATIONS_MAX} operations"), "is this the right file?");
             return;
@@ -37,6 +38,7 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
         if written.cells[machine].value.is_empty() {
             let hint = "each operation is done by one machine (rule 2); for several at once declare one for each";
             findings.error(row, "machine", format!("operation `{id}` has no machine"), hint);
+            findings.note_misread(id);
             continue;
         }
         let machines: Vec<String> = relations.machines.iter().map(|machine| machine.name.clone()).collect();
@@ -52,7 +54,10 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
         };
         let names: Vec<String> = relations.zones.iter().map(|zone| zone.name.clone()).collect();
         let zones = cell("zones").map(|cell| findings.find_all(file, cell, "zone", names.iter().map(String::as_str)));
-        let Some(&machine) = found.first() else { continue };
+        let Some(&machine) = found.first() else {
+            findings.note_misread(id);
+            continue;
+        };
         relations.operations.push(DeclaredOperation {
             id,
             comment: cell("comment").map_or_else(String::new, |cell| cell.value.clone()),

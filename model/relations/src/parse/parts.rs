@@ -27,7 +27,8 @@ pub(super) fn name(findings: &mut Findings<'_>, file: usize, name: &LocatedName,
         return Some(name.value.clone());
     }
     let message = format!("`{}` cannot name {what}", name.value.escape_debug());
-    let hint = format!("one word of letters, digits, `_` and `-`, at most {NAME_MAX}, and none of {}", RESERVED.join(", "));
+    let hint =
+        format!("one word of letters, digits, `_` and `-`, at most {NAME_MAX}, and none of {}", RESERVED.join(", "));
     findings.reports[file].add(Problem::error(name.at.clone(), message).hint(hint));
     None
 }
@@ -105,7 +106,13 @@ pub(super) fn read(raw: &RawRelations, findings: &mut Findings<'_>) -> Relations
         let file = findings.description;
         let product = product.and_then(|product| self::name(findings, file, product, "a product"));
         let cycle = u32::try_from(condition.cycle).unwrap_or(1);
-        relations.conditions.push(StartCondition { title: title(&condition.title, &name), name, product, cycle, states });
+        relations.conditions.push(StartCondition {
+            title: title(&condition.title, &name),
+            name,
+            product,
+            cycle,
+            states,
+        });
     }
     let mut known = Known::of("a function");
     for function in &raw.functions {
@@ -114,12 +121,11 @@ pub(super) fn read(raw: &RawRelations, findings: &mut Findings<'_>) -> Relations
             relations.functions.push(CellFunction { title: title(&function.title, &name), name, block });
         }
     }
-    for (what, is_empty) in
-        [("machine", raw.machines.is_empty()), ("condition", raw.conditions.is_empty())]
-    {
+    for (what, is_empty) in [("machine", raw.machines.is_empty()), ("condition", raw.conditions.is_empty())] {
         if is_empty {
             let problem = Problem::error(0..0, format!("this cell has no {what}"));
-            findings.reports[findings.description].add(problem.hint(format!("describe each under a header `[[{what}]]`")));
+            findings.reports[findings.description]
+                .add(problem.hint(format!("describe each under a header `[[{what}]]`")));
         }
     }
     relations

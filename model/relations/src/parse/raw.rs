@@ -1,6 +1,8 @@
 //! `relations.toml` as written: every key that it may have.
 
-use linewright_text::{Fields, Keys, Located, LocatedName, Named, Report, keys, tables, text, texts, texts_by_name, whole, one_of};
+use linewright_text::{
+    Fields, Keys, Located, LocatedName, Named, Report, keys, one_of, tables, text, texts, texts_by_name, whole,
+};
 
 use crate::ComponentKind;
 

@@ -24,9 +24,11 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
     for written in &table.rows {
         let row = row(file, written.line);
         findings.note_row(row, &table, written);
-        let cell = |column: &str| table.column(column).map(|column| &written.cells[column]).filter(|c| !c.value.is_empty());
+        let cell =
+            |column: &str| table.column(column).map(|column| &written.cells[column]).filter(|c| !c.value.is_empty());
         let machine = findings.find(file, &written.cells[machine], "machine", machines.iter().map(String::as_str));
-        let operation = findings.find(file, &written.cells[operation], "operation", operations.iter().map(String::as_str));
+        let operation =
+            findings.find(file, &written.cells[operation], "operation", operations.iter().map(String::as_str));
         let (text, begin) = findings.written(file, &written.cells[after]);
         let mut unknown = Vec::new();
         let text = if text.trim() == "-" { "" } else { text };
@@ -39,8 +41,7 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
         });
         for name in unknown {
             let hint = suggestion(&name.value, operations.iter().map(String::as_str));
-            let problem = Problem::error(name.at, format!("unknown operation `{}`", name.value)).maybe_hint(hint);
-            findings.reports[file].add_unknown(problem);
+            findings.unknown(file, name, "operation", hint);
         }
         let after = read.unwrap_or_else(|wrong| {
             let at = begin + wrong.at.start..begin + wrong.at.end;
@@ -55,7 +56,8 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
                 .map(|nth| OperationKind::ALL[nth].1),
         };
         let all = |findings: &mut Findings<'_>, column: &str, what: &str, known: &[String]| {
-            cell(column).map_or_else(Vec::new, |cell| findings.find_all(file, cell, what, known.iter().map(String::as_str)))
+            cell(column)
+                .map_or_else(Vec::new, |cell| findings.find_all(file, cell, what, known.iter().map(String::as_str)))
         };
         let before = all(findings, "zones_before", "zone", &zones);
         let kept = all(findings, "zones_after", "zone", &zones);

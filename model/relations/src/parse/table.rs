@@ -58,13 +58,18 @@ pub(super) fn read(text: &str, known: &[&str], required: usize, has_own: bool, r
     }
     for (nth, column) in columns.iter().enumerate() {
         if let Some(first) = columns[..nth].iter().find(|first| first.value == column.value) {
-            report.add(Problem::error(column.at.clone(), format!("a second column `{}`", column.value)).earlier(first.at.clone()));
+            report.add(
+                Problem::error(column.at.clone(), format!("a second column `{}`", column.value))
+                    .earlier(first.at.clone()),
+            );
         }
     }
     for name in &known[..required] {
         if !columns.iter().any(|column| column.value == *name) {
             let end = columns.last().map_or(0..0, |column| column.at.clone());
-            report.add(Problem::error(end, format!("this table has no column `{name}`")).hint("add it to the first line"));
+            report.add(
+                Problem::error(end, format!("this table has no column `{name}`")).hint("add it to the first line"),
+            );
         }
     }
     let mut rows = Vec::new();
@@ -72,8 +77,11 @@ pub(super) fn read(text: &str, known: &[&str], required: usize, has_own: bool, r
         let at = cells.first().map_or(0, |cell| cell.at.start)..cells.last().map_or(0, |cell| cell.at.end);
         if let Some(more) = cells.get(columns.len()).filter(|cell| !cell.value.is_empty()) {
             report.add(
-                Problem::error(more.at.clone(), format!("this row has more cells than the first line has columns ({})", columns.len()))
-                    .hint("put a cell that contains the separator into quotes"),
+                Problem::error(
+                    more.at.clone(),
+                    format!("this row has more cells than the first line has columns ({})", columns.len()),
+                )
+                .hint("put a cell that contains the separator into quotes"),
             );
         }
         cells.resize(columns.len(), Located::new(String::new(), at.end..at.end));
@@ -107,7 +115,10 @@ fn split(text: &str, report: &mut Report) -> Vec<(u32, Vec<LocatedName>)> {
         };
         let place = trimmed(text, start..at, separator);
         if is_long {
-            report.add(Problem::error(place.clone(), format!("a cell of more than {CELL_MAX} bytes")).hint("is a quote missing?"));
+            report.add(
+                Problem::error(place.clone(), format!("a cell of more than {CELL_MAX} bytes"))
+                    .hint("is a quote missing?"),
+            );
             filled = 0;
         }
         let value = String::from_utf8_lossy(&cell[..filled]).trim().to_owned();

@@ -11,7 +11,8 @@ pub(super) fn operations_are_related(relations: &Relations, findings: &mut Findi
             if !relations.related(*condition).any(|(_, row)| row.operation.0 == nth) {
                 let name = &relations.conditions[condition.0].name;
                 let message = format!("operation `{}` has no row in the relations of condition {name}", operation.id);
-                let hint = "all operations of a condition are done in it (rule 3): add a row, or take the condition away here";
+                let hint =
+                    "all operations of a condition are done in it (rule 3): add a row, or take the condition away here";
                 findings.error(operation.row, "id", message, hint);
             }
         }
@@ -34,9 +35,8 @@ pub(super) fn operations_are_related(relations: &Relations, findings: &mut Findi
 pub(super) fn every_machine_has_a_sequence(relations: &Relations, findings: &mut Findings<'_>) {
     for (nth, machine) in relations.machines.iter().enumerate() {
         let id = MachineId(nth);
-        let without = (0..relations.conditions.len()).filter(|condition| {
-            relations.sequence(ConditionId(*condition), id).is_none()
-        });
+        let without = (0..relations.conditions.len())
+            .filter(|condition| relations.sequence(ConditionId(*condition), id).is_none());
         let without: Vec<&str> = without.map(|condition| relations.conditions[condition].name.as_str()).collect();
         if !without.is_empty() {
             let message = format!("{} has nothing to do in condition {}", machine.name, listed(without));
@@ -51,9 +51,10 @@ pub(super) fn every_machine_has_a_sequence(relations: &Relations, findings: &mut
 pub(super) fn start_conditions_differ(relations: &Relations, findings: &mut Findings<'_>) {
     for (nth, condition) in relations.conditions.iter().enumerate() {
         for other in &relations.conditions[..nth] {
-            let differs = condition.states.iter().any(|(of, state)| {
-                other.states.iter().any(|(component, known)| component == of && known != state)
-            });
+            let differs = condition
+                .states
+                .iter()
+                .any(|(of, state)| other.states.iter().any(|(component, known)| component == of && known != state));
             let has_product = condition.product.is_some() && other.product.is_some();
             let differs = differs || (has_product && condition.product != other.product);
             if !differs && condition.cycle == other.cycle {
@@ -73,7 +74,10 @@ pub(super) fn rows_are_of_their_machine(relations: &Relations, findings: &mut Fi
             if operation.machine != sequence.machine {
                 let of = &relations.machine(operation.machine).name;
                 let message = format!("operation `{}` is one of {of}", operation.id);
-                let hint = format!("an operation is done by one machine (rule 2); {} declares it", relations.place(operation.row));
+                let hint = format!(
+                    "an operation is done by one machine (rule 2); {} declares it",
+                    relations.place(operation.row)
+                );
                 findings.error(row.row, "machine", message, hint);
             }
         }

@@ -18,7 +18,8 @@ pub(super) fn sequences_begin_at_home(relations: &Relations, findings: &mut Find
         let hint = "the first operation of a sequence checks the home position: one execution of one row (rule 6)";
         let mut ways = relations.ways(first.operation);
         let Some(home) = ways.next() else {
-            let message = format!("operation `{id}` does not check the home position of {machine}: it has no execution");
+            let message =
+                format!("operation `{id}` does not check the home position of {machine}: it has no execution");
             findings.error(first.row, "operation", message, hint);
             continue;
         };
@@ -41,19 +42,26 @@ pub(super) fn rows_name_the_same_components(relations: &Relations, findings: &mu
     for execution in &relations.executions {
         let own = relations.operation(execution.operation).machine;
         let chooses = |of: &ComponentRef| of.machine != own && relations.component(*of).kind.is_active();
-        let all: BTreeSet<ComponentRef> = execution.steps().flat_map(|step| step.states.iter().map(|(of, _)| *of)).collect();
+        let all: BTreeSet<ComponentRef> =
+            execution.steps().flat_map(|step| step.states.iter().map(|(of, _)| *of)).collect();
         for of in all.iter().filter(|of| !chooses(of)) {
             let name = relations.component_name(*of);
             for step in execution.steps().filter(|step| step.state(*of).is_none()) {
                 let message = format!("this row has no state of {name}, and another one of this execution has");
-                findings.error(step.row, "step", message, "each row has the states of all components (rule 2); `*` is any state");
+                findings.error(
+                    step.row,
+                    "step",
+                    message,
+                    "each row has the states of all components (rule 2); `*` is any state",
+                );
             }
         }
         for step in &execution.actions {
             for (of, _) in step.states.iter().filter(|(of, _)| chooses(of)) {
                 let name = relations.component_name(*of);
                 let message = format!("this step would end by a state of another machine, {name}");
-                let hint = "the end of an action is detected by its own component alone (rule 9): make it a predecessor";
+                let hint =
+                    "the end of an action is detected by its own component alone (rule 9): make it a predecessor";
                 findings.error(step.row, &name, message, hint);
             }
         }
@@ -67,7 +75,8 @@ pub(super) fn actions_change_what_they_may(relations: &Relations, findings: &mut
         let steps: Vec<_> = execution.steps().collect();
         for pair in steps.windows(2) {
             let (before, step) = (pair[0], pair[1]);
-            let changed = step.states.iter().filter(|(of, state)| before.state(*of).is_some_and(|known| known != *state));
+            let changed =
+                step.states.iter().filter(|(of, state)| before.state(*of).is_some_and(|known| known != *state));
             let mut is_detected = !step.booked.is_empty() || !step.released.is_empty();
             for (of, _) in changed {
                 let name = relations.component_name(*of);
@@ -151,7 +160,8 @@ fn follow(
     }
     let mut after = Possible::new();
     for way in if begun.is_empty() { ways.iter().collect() } else { begun } {
-        let components: BTreeSet<ComponentRef> = way.steps().flat_map(|step| step.states.iter().map(|(of, _)| *of)).collect();
+        let components: BTreeSet<ComponentRef> =
+            way.steps().flat_map(|step| step.states.iter().map(|(of, _)| *of)).collect();
         for of in components.into_iter().filter(|of| is_own(of)) {
             match way.last_state(of) {
                 Some(state) => {
@@ -175,7 +185,12 @@ fn follow(
 }
 
 /// The last operation before an element that states what a component is left in.
-fn earlier(relations: &Relations, sequence: &MachineSequence, element: &SequenceElement, of: ComponentRef) -> Option<String> {
+fn earlier(
+    relations: &Relations,
+    sequence: &MachineSequence,
+    element: &SequenceElement,
+    of: ComponentRef,
+) -> Option<String> {
     let place = sequence.elements.iter().position(|other| std::ptr::eq(other, element))?;
     let rows = sequence.elements[..place].iter().rev().flat_map(|element| &element.alternatives);
     let states = |operation: OperationId| relations.ways(operation).any(|way| way.last_state(of).is_some());

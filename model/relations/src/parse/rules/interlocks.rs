@@ -18,7 +18,8 @@ pub(super) fn external_states_are_declared(relations: &Relations, findings: &mut
                 if !steps.any(|step| step.state(state.component) == Some(Some(state.state))) {
                     let word = relations.state_name(state.component, state.state);
                     let message = format!("no execution has {name} in state {word}");
-                    let hint = "states that an interlock asks for in automatic mode are declared in executions (rule 5)";
+                    let hint =
+                        "states that an interlock asks for in automatic mode are declared in executions (rule 5)";
                     findings.error(term.row, &name, message, hint);
                 }
             }
@@ -36,11 +37,14 @@ pub(super) fn executions_fulfil_an_automatic_term(relations: &Relations, finding
             for pair in steps.windows(2).filter(|pair| is_ordered(way, pair[1], component, to)) {
                 let id = &relations.operation(way.operation).id;
                 if !interlock.terms.iter().any(|term| term.is_automatic) {
-                    let message = format!("operation `{id}` moves {name}, and no term of that is expected in automatic mode");
-                    let hint = format!("write `yes` in the column `automatic` of the term that operation `{id}` fulfils");
+                    let message =
+                        format!("operation `{id}` moves {name}, and no term of that is expected in automatic mode");
+                    let hint =
+                        format!("write `yes` in the column `automatic` of the term that operation `{id}` fulfils");
                     findings.error(interlock.terms[0].row, "automatic", message, hint);
                 } else if let Some(why) = unfulfilled(relations, interlock, way, pair[0]) {
-                    let message = format!("operation `{id}` moves {name}, and fulfils no automatic term of its interlock");
+                    let message =
+                        format!("operation `{id}` moves {name}, and fulfils no automatic term of its interlock");
                     findings.error(pair[1].row, "step", message, why);
                 }
             }
@@ -49,7 +53,12 @@ pub(super) fn executions_fulfil_an_automatic_term(relations: &Relations, finding
 }
 
 /// What each automatic term lacks; none where one is fulfilled.
-fn unfulfilled(relations: &Relations, interlock: &Interlock, way: &Execution, before: &ExecutionStep) -> Option<String> {
+fn unfulfilled(
+    relations: &Relations,
+    interlock: &Interlock,
+    way: &Execution,
+    before: &ExecutionStep,
+) -> Option<String> {
     let own = relations.operation(way.operation).machine;
     let mut reasons = Vec::new();
     for term in interlock.terms.iter().filter(|term| term.is_automatic) {

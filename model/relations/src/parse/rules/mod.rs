@@ -13,7 +13,7 @@ mod zones;
 use super::findings::Findings;
 use crate::Relations;
 
-/// Asks every rule.
+/// Asks every rule. What is wrong with the sequences themselves would be reported by the later ones many times over.
 pub(super) fn check(relations: &Relations, findings: &mut Findings<'_>) {
     conditions::operations_are_related(relations, findings);
     conditions::every_machine_has_a_sequence(relations, findings);
@@ -21,6 +21,9 @@ pub(super) fn check(relations: &Relations, findings: &mut Findings<'_>) {
     conditions::rows_are_of_their_machine(relations, findings);
     order::each_operation_stands_once(relations, findings);
     order::groups_are_whole(relations, findings);
+    if findings.has_errors() {
+        return;
+    }
     order::predecessors_can_be_finished(relations, findings);
     executions::sequences_begin_at_home(relations, findings);
     executions::rows_name_the_same_components(relations, findings);

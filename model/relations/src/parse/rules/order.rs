@@ -14,7 +14,8 @@ pub(super) fn each_operation_stands_once(relations: &Relations, findings: &mut F
             if let Some(first) = known.insert(row.operation, row) {
                 let name = &relations.operation(row.operation).id;
                 let message = format!("operation `{name}` stands twice in one sequence");
-                let hint = format!("the first is in {}; declare an operation of its own (rule 3)", relations.place(first.row));
+                let hint =
+                    format!("the first is in {}; declare an operation of its own (rule 3)", relations.place(first.row));
                 findings.error(row.row, "operation", message, hint);
             }
         }
@@ -31,14 +32,16 @@ pub(super) fn groups_are_whole(relations: &Relations, findings: &mut Findings<'_
             match first.kind {
                 OperationKind::Alternative => {
                     if element.alternatives.iter().filter(|row| row.kind == OperationKind::Alternative).count() < 2 {
-                        let message = format!("operation `{}` has no alternative", relations.operation(first.operation).id);
+                        let message =
+                            format!("operation `{}` has no alternative", relations.operation(first.operation).id);
                         let hint = "alternatives follow each other in rows with the same `group`, and one of them is done (rule 3)";
                         findings.error(first.row, "kind", message, hint);
                     }
                 }
                 OperationKind::Exception if element.alternatives.len() > 1 || group.is_none() => {}
                 OperationKind::Exception => {
-                    let message = format!("no operation stands beside exception `{}`", relations.operation(first.operation).id);
+                    let message =
+                        format!("no operation stands beside exception `{}`", relations.operation(first.operation).id);
                     let hint = "leave `group` empty where it is not scheduled; otherwise it follows an alternative of its group";
                     findings.error(first.row, "group", message, hint);
                 }
@@ -75,7 +78,12 @@ fn parallel_groups(relations: &Relations, condition: ConditionId, findings: &mut
             findings.error(first.row, "group", message, "a machine does one operation at a time (rule 2)");
         } else if rows.len() < 2 {
             let message = format!("no operation of another machine is parallel to `{name}`");
-            findings.error(first.row, "group", message, "operations that are done at once have the same `group` (rule 11)");
+            findings.error(
+                first.row,
+                "group",
+                message,
+                "operations that are done at once have the same `group` (rule 11)",
+            );
         }
     }
 }
@@ -86,6 +94,7 @@ pub(super) fn predecessors_can_be_finished(relations: &Relations, findings: &mut
         let condition = ConditionId(condition);
         let name = &relations.conditions[condition.0].name;
         let order = Order::of(relations, condition);
+        let mut is_possible = true;
         for sequence in relations.sequences.iter().filter(|sequence| sequence.condition == condition) {
             for row in sequence.elements.iter().flat_map(|element| &element.alternatives) {
                 let own = &relations.operation(row.operation).id;
@@ -93,21 +102,36 @@ pub(super) fn predecessors_can_be_finished(relations: &Relations, findings: &mut
                     let id = &relations.operation(other).id;
                     if !relations.related(condition).any(|(_, row)| row.operation == other) {
                         let message = format!("operation `{id}` is not done in condition {name}");
-                        let hint = format!("`{own}` would wait for ever (rule 4): write its predecessors for each condition");
+                        let hint =
+                            format!("`{own}` would wait for ever (rule 4): write its predecessors for each condition");
                         findings.error(row.row, "after", message, hint);
                     } else if is_later(sequence, row.operation, other) {
                         let machine = &relations.machine(sequence.machine).name;
-                        let message = format!("operation `{id}` does not come before `{own}` in the sequence of {machine}");
+                        let message =
+                            format!("operation `{id}` does not come before `{own}` in the sequence of {machine}");
                         findings.error(row.row, "after", message, "a predecessor is finished before (rule 4)");
+                        is_possible = false;
                     }
                 }
-                if order.before(row.operation).contains(&row.operation) {
-                    let ring = order.before(row.operation).iter().filter(|other| order.before(**other).contains(&row.operation));
-                    let ring = listed(ring.map(|other| relations.operation(*other).id.as_str()));
-                    let message = format!("operation `{own}` waits for itself");
-                    findings.error(row.row, "after", message, format!("{ring} wait for each other (rule 4)"));
-                }
             }
+        }
+        if is_possible {
+            no_ring(relations, condition, &order, findings);
+        }
+    }
+}
+
+/// No operation waits for itself, directly or through others; each ring is reported once.
+fn no_ring(relations: &Relations, condition: ConditionId, order: &Order, findings: &mut Findings<'_>) {
+    for (_, row) in relations.related(condition) {
+        let own = row.operation;
+        let ring: Vec<_> = order.before(own).iter().filter(|other| order.before(**other).contains(&own)).collect();
+        if ring.first() == Some(&&own) {
+            let id = &relations.operation(own).id;
+            let names = listed(ring.iter().map(|other| relations.operation(**other).id.as_str()));
+            let hint =
+                format!("{names} wait for each other, by their predecessors and the order of their machines (rule 4)");
+            findings.error(row.row, "after", format!("operation `{id}` waits for itself"), hint);
         }
     }
 }

@@ -29,7 +29,12 @@ pub(super) fn ways_differ(relations: &Relations, findings: &mut Findings<'_>) {
                 if let Some(other) = ways[..nth].iter().find(|other| can_both_begin(way, other)) {
                     let other = relations.place(other.initial.row);
                     let message = format!("this way and that of {other} can begin in the same state");
-                    findings.error(way.initial.row, "operation", message, "the initial states choose the way (rule 12): they differ");
+                    findings.error(
+                        way.initial.row,
+                        "operation",
+                        message,
+                        "the initial states choose the way (rule 12): they differ",
+                    );
                 }
             }
         }
@@ -59,9 +64,10 @@ pub(super) fn ends_are_detected_alike(relations: &Relations, findings: &mut Find
                     changed.copied().collect::<Vec<_>>()
                 };
                 let own_changes = changes(step, before, true);
-                let alike = other.steps().zip(&other.actions).find(|(before, step)| {
-                    !own_changes.is_empty() && changes(step, before, true) == own_changes
-                });
+                let alike = other
+                    .steps()
+                    .zip(&other.actions)
+                    .find(|(before, step)| !own_changes.is_empty() && changes(step, before, true) == own_changes);
                 let Some((other_before, other_step)) = alike else { continue };
                 if components(&changes(step, before, false)) != components(&changes(other_step, other_before, false)) {
                     let other = relations.place(other_step.row);
@@ -80,7 +86,8 @@ fn components(of: &[(ComponentRef, Option<ComponentState>)]) -> Vec<ComponentRef
 
 /// While an operation affects a passive component of another machine, no other machine does (rule 2c).
 pub(super) fn passive_components_are_affected_one_by_one(relations: &Relations, findings: &mut Findings<'_>) {
-    let affected: Vec<(OperationId, ComponentRef, &Execution)> = relations.executions.iter().flat_map(affects(relations)).collect();
+    let affected: Vec<(OperationId, ComponentRef, &Execution)> =
+        relations.executions.iter().flat_map(affects(relations)).collect();
     for condition in 0..relations.conditions.len() {
         let condition = ConditionId(condition);
         let order = Order::of(relations, condition);
@@ -116,7 +123,8 @@ fn affects<'a>(relations: &'a Relations) -> impl Fn(&'a Execution) -> Vec<(Opera
     |execution| {
         let own = relations.operation(execution.operation).machine;
         let foreign = execution.initial.states.iter().filter(|(of, _)| of.machine != own);
-        let changed = foreign.filter(|(of, state)| execution.steps().any(|step| step.state(*of).is_some_and(|s| s != *state)));
+        let changed =
+            foreign.filter(|(of, state)| execution.steps().any(|step| step.state(*of).is_some_and(|s| s != *state)));
         changed.map(|(of, _)| (execution.operation, *of, execution)).collect()
     }
 }

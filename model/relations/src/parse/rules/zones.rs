@@ -36,7 +36,8 @@ pub(super) fn zones_are_kept_until_they_are_freed(relations: &Relations, finding
         for (nth, element) in sequence.elements.iter().enumerate() {
             let first = &element.alternatives[0];
             for row in &element.alternatives {
-                let not_taken: Zones = row.zones_after.iter().filter(|zone| !row.zones_before.contains(zone)).copied().collect();
+                let not_taken: Zones =
+                    row.zones_after.iter().filter(|zone| !row.zones_before.contains(zone)).copied().collect();
                 if !not_taken.is_empty() {
                     let message = format!("zone {} is kept without being taken", names(relations, &not_taken));
                     findings.error(row.row, "zones_after", message, "zones_after are some of zones_before");
@@ -52,7 +53,11 @@ pub(super) fn zones_are_kept_until_they_are_freed(relations: &Relations, finding
                     }
                 }
             }
-            let kept_before: Zones = held(sequence).into_iter().find(|(row, _)| std::ptr::eq(*row, first)).map(|(_, z)| z).unwrap_or_default();
+            let kept_before: Zones = held(sequence)
+                .into_iter()
+                .find(|(row, _)| std::ptr::eq(*row, first))
+                .map(|(_, z)| z)
+                .unwrap_or_default();
             for row in &element.alternatives[1..] {
                 let of = |row: &RelatedOperation| -> (Zones, Zones) {
                     let taken = row.zones_before.iter().filter(|zone| kept_before.contains(zone)).copied().collect();
@@ -60,7 +65,8 @@ pub(super) fn zones_are_kept_until_they_are_freed(relations: &Relations, finding
                 };
                 if of(row) != of(first) {
                     let message = "alternatives free or keep different zones";
-                    let hint = "what a machine has afterwards does not depend on the alternative: keep the same zones in each";
+                    let hint =
+                        "what a machine has afterwards does not depend on the alternative: keep the same zones in each";
                     findings.error(row.row, "zones_after", message, hint);
                 }
             }
@@ -81,7 +87,12 @@ pub(super) fn executions_book_what_relations_say(relations: &Relations, findings
                     let not_had: Zones = step.released.iter().filter(|zone| !has.contains(zone)).copied().collect();
                     if !not_had.is_empty() {
                         let message = format!("zone {} is unbooked and not booked before", names(relations, &not_had));
-                        findings.error(step.row, "zones", message, "an earlier step of this operation, or an operation before it, books it");
+                        findings.error(
+                            step.row,
+                            "zones",
+                            message,
+                            "an earlier step of this operation, or an operation before it, books it",
+                        );
                     }
                     has.retain(|zone| !step.released.contains(zone));
                     has.extend(&step.booked);
@@ -93,13 +104,15 @@ pub(super) fn executions_book_what_relations_say(relations: &Relations, findings
                 for (zones, what) in [(too_many, "books"), (missing, "does not book")] {
                     if !zones.is_empty() {
                         let message = format!("this execution {what} zone {}", names(relations, &zones));
-                        let hint = format!("{place} has {} in zones_before, and that counts", names(relations, &before));
+                        let hint =
+                            format!("{place} has {} in zones_before, and that counts", names(relations, &before));
                         findings.error(way.initial.row, "operation", message, hint);
                     }
                 }
                 let in_the_end: Zones = has.iter().filter(|zone| before.contains(zone)).copied().collect();
                 if in_the_end != after && booked.is_subset(&before) {
-                    let message = format!("after this execution its machine has zone {}", names(relations, &in_the_end));
+                    let message =
+                        format!("after this execution its machine has zone {}", names(relations, &in_the_end));
                     let hint = format!("{place} has {} in zones_after, and that counts", names(relations, &after));
                     findings.error(way.actions.last().unwrap_or(&way.initial).row, "zones", message, hint);
                 }
@@ -117,7 +130,8 @@ pub(super) fn declared_zones_are_those_of_relations(relations: &Relations, findi
             let (declared, before): (Zones, Zones) =
                 (declared.iter().copied().collect(), row.zones_before.iter().copied().collect());
             if declared != before {
-                let message = format!("operation `{}` is declared with zone {}", operation.id, names(relations, &declared));
+                let message =
+                    format!("operation `{}` is declared with zone {}", operation.id, names(relations, &declared));
                 let (place, before) = (relations.place(row.row), names(relations, &before));
                 let hint = format!("{place} has {before} in zones_before, and that counts; this column may be empty");
                 findings.error(operation.row, "zones", message, hint);
@@ -149,7 +163,10 @@ pub(super) fn interlocks_book_what_executions_do(relations: &Relations, findings
                             let id = &relations.operation(row.operation).id;
                             let message = format!(
                                 "in manual mode this action takes zone {} and keeps {}; in operation `{id}` it takes {} and keeps {}",
-                                names(relations, &before), names(relations, &after), names(relations, &during), names(relations, &has)
+                                names(relations, &before),
+                                names(relations, &after),
+                                names(relations, &during),
+                                names(relations, &has)
                             );
                             let hint = "in automatic mode the relations count; in manual mode this term does";
                             findings.warning(term.row, "zones_before", message, hint);
