@@ -1,5 +1,7 @@
 //! What has to be finished before an operation: a logical expression of operations.
 
+use std::collections::BTreeSet;
+
 use linewright_text::TextRange;
 
 use crate::OperationId;
@@ -42,6 +44,20 @@ impl Precondition {
             Precondition::Finished(operation) => vec![*operation],
             Precondition::All(parts) | Precondition::Any(parts) => {
                 parts.iter().flat_map(Precondition::operations).collect()
+            }
+        }
+    }
+
+    /// The operations without which it never holds.
+    pub fn required(&self) -> BTreeSet<OperationId> {
+        match self {
+            Precondition::Always => BTreeSet::new(),
+            Precondition::Finished(operation) => BTreeSet::from([*operation]),
+            Precondition::All(parts) => parts.iter().flat_map(Precondition::required).collect(),
+            Precondition::Any(parts) => {
+                let mut parts = parts.iter().map(Precondition::required);
+                let first = parts.next().unwrap_or_default();
+                parts.fold(first, |all, part| all.intersection(&part).copied().collect())
             }
         }
     }

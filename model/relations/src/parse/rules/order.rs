@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::listed;
 use crate::parse::findings::Findings;
-use crate::{ConditionId, MachineSequence, OperationId, OperationKind, Precondition, RelatedOperation, Relations};
+use crate::{ConditionId, MachineSequence, OperationId, OperationKind, RelatedOperation, Relations};
 
 /// An operation stands once in a sequence, whose order is fixed (rule 3a).
 pub(super) fn each_operation_stands_once(relations: &Relations, findings: &mut Findings<'_>) {
@@ -158,7 +158,7 @@ impl Order {
                 for row in &element.alternatives {
                     let own = before.entry(row.operation).or_default();
                     own.extend(&earlier);
-                    own.extend(required(&row.after));
+                    own.extend(row.after.required());
                 }
                 if let [row] = &element.alternatives[..] {
                     earlier.insert(row.operation);
@@ -180,19 +180,5 @@ impl Order {
     pub fn before(&self, operation: OperationId) -> &BTreeSet<OperationId> {
         static NONE: BTreeSet<OperationId> = BTreeSet::new();
         self.before.get(&operation).unwrap_or(&NONE)
-    }
-}
-
-/// Operations without which an expression never holds.
-fn required(of: &Precondition) -> BTreeSet<OperationId> {
-    match of {
-        Precondition::Always => BTreeSet::new(),
-        Precondition::Finished(operation) => BTreeSet::from([*operation]),
-        Precondition::All(parts) => parts.iter().flat_map(required).collect(),
-        Precondition::Any(parts) => {
-            let mut parts = parts.iter().map(required);
-            let first = parts.next().unwrap_or_default();
-            parts.fold(first, |all, part| all.intersection(&part).copied().collect())
-        }
     }
 }
