@@ -34,6 +34,7 @@ mod schema;
 mod shell;
 mod simulate;
 mod states;
+mod synthesise;
 mod watch;
 
 use std::io::IsTerminal;
@@ -69,6 +70,9 @@ enum CliCommand {
     Nets(nets::Args),
     /// Analyse a place/transition net: bounded, live, reversible, deadlocks, invariants.
     Analyse(analyse::Args),
+    /// Synthesise a supervisor from relations of operations: added predecessors with reasons, coordinated operations,
+    /// contradictions.
+    Synthesise(synthesise::Args),
     /// Simulate a line by its own controllers, or a cell, in virtual time: bar chart, cycle time, faults; figures of a
     /// cell with confidence intervals.
     Simulate(simulate::Args),
@@ -109,7 +113,7 @@ enum CliCommand {
     Can(can::CanArgs),
     /// List the ROS 2 messages, services and actions of a line with their type hashes, or show one.
     Interface(interface::Args),
-    /// Print the JSON schema of a description, for editors: line, cell or scenario.
+    /// Print the JSON schema of a description, for editors: line, cell, relations or scenario.
     Schema(schema::Args),
     /// Print the completion script of a shell: bash, elvish, fish, powershell or zsh.
     Completions(shell::CompletionsArgs),
@@ -201,6 +205,7 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Io(args) => io::run(&args),
         CliCommand::Nets(args) => nets::run(&args),
         CliCommand::Analyse(args) => analyse::run(&args),
+        CliCommand::Synthesise(args) => synthesise::run(&args),
         CliCommand::Simulate(args) => simulate::run(&args),
         CliCommand::Report(args) => report::run(&args),
         CliCommand::Run(args) => asynchronous(async move { run::run(args, ros).await }),

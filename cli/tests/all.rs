@@ -16,3 +16,4 @@ mod schema;
 mod sessions;
 mod simulate;
 mod support;
+mod synthesise;

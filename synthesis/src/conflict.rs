@@ -6,10 +6,14 @@
 
 use linewright_relations::{ConditionId, Relations};
 
-use crate::compose::restrictions;
+use crate::compose::{compose, restrictions};
+use crate::fixpoint::control;
 use crate::lock::{Trap, way_into_trap};
 use crate::model::{Composition, MarkSet, Restriction};
-use crate::supervisor::{SynthesisLimits, TooLarge, exists};
+use crate::supervisor::{SynthesisLimits, TooLarge, exists, within_limits};
+
+/// Up to so many states are looked at for the shortest way into the trap.
+const STATES_MAX: usize = 20_000;
 
 /// Restrictions that contradict each other.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,12 +37,34 @@ pub(crate) fn explain(
     composition: &Composition,
     limits: &SynthesisLimits,
 ) -> Result<Contradiction, TooLarge> {
-    let mut conflict = restrictions(composition);
+    let all = restrictions(composition);
     let mut syntheses = 0;
     let mut contradicts = |kept: &[Restriction]| {
         syntheses += 1;
         exists(relations, products, &|restriction| !kept.contains(restriction), limits).map(|exists| !exists)
     };
+    // Which of several conflicts is left depends on the order in which rows are taken away: the smallest of two.
+    let mut conflict = smaller(all.clone(), &mut contradicts)?;
+    let backwards = smaller(all.into_iter().rev().collect(), &mut contradicts)?;
+    if backwards.len() < conflict.len() {
+        conflict = backwards;
+    }
+    conflict.sort_unstable();
+    let few = compose(relations, products, &|restriction| !conflict.contains(restriction));
+    let trap = within_limits(&few, limits, &mut |diagrams, _| {
+        let good = control(diagrams, &few)?.good;
+        let is_lost = |state: &MarkSet| !diagrams.has(&good, state);
+        Ok(way_into_trap(relations, &few, &MarkSet::new(), &is_lost, STATES_MAX))
+    })?;
+    let products = products.to_vec();
+    Ok(Contradiction { products, composition: few, conflict, trap, syntheses })
+}
+
+/// Restrictions that still contradict each other, and of which none can be taken away.
+fn smaller(
+    mut conflict: Vec<Restriction>,
+    contradicts: &mut dyn FnMut(&[Restriction]) -> Result<bool, TooLarge>,
+) -> Result<Vec<Restriction>, TooLarge> {
     // Large parts first: most rows take no part.
     let mut size = conflict.len().div_ceil(2);
     while size > 0 {
@@ -54,8 +80,5 @@ pub(crate) fn explain(
         }
         size = if size == 1 { 0 } else { size.div_ceil(2) };
     }
-    let few = crate::compose::compose(relations, products, &|restriction| !conflict.contains(restriction));
-    let trap = way_into_trap(relations, &few, &MarkSet::new(), &|_| true);
-    let products = products.to_vec();
-    Ok(Contradiction { products, composition: few, conflict, trap, syntheses })
+    Ok(conflict)
 }

@@ -3,9 +3,9 @@
 //! Backwards from the finished states, within the reachable ones that violate nothing; states from which something that nobody
 //! can hold back leads out of what remains are taken away, until nothing changes.
 
+use oxidd::BooleanFunction;
 use oxidd::bdd::BDDFunction;
 use oxidd::util::OutOfMemory;
-use oxidd::BooleanFunction;
 
 use crate::model::Composition;
 use crate::symbolic::{Diagrams, Set, SymbolicEvent, meet, without};
@@ -22,7 +22,10 @@ pub(crate) struct Controlled<'c> {
 }
 
 /// Computes the sets.
-pub(crate) fn control<'c>(diagrams: &mut Diagrams, composition: &'c Composition) -> Result<Controlled<'c>, OutOfMemory> {
+pub(crate) fn control<'c>(
+    diagrams: &mut Diagrams,
+    composition: &'c Composition,
+) -> Result<Controlled<'c>, OutOfMemory> {
     let events = diagrams.events(composition)?;
     let everywhere = diagrams.constant(true);
     let initial = diagrams.initial()?;
@@ -64,6 +67,7 @@ fn reach(diagrams: &mut Diagrams, events: &[SymbolicEvent<'_>], from: &BDDFuncti
         for event in events {
             let next = diagrams.image(event, &event.enabled, &reached)?.and(within)?;
             reached = reached.or(&next)?;
+            diagrams.note(&reached);
         }
         if reached == before {
             return Ok(reached);
@@ -79,6 +83,7 @@ fn finishing(diagrams: &mut Diagrams, events: &[SymbolicEvent<'_>], to: &BDDFunc
         for event in events.iter().rev() {
             let earlier = diagrams.preimage(event, &reached)?.and(&event.enabled)?.and(within)?;
             reached = reached.or(&earlier)?;
+            diagrams.note(&reached);
         }
         if reached == before {
             return Ok(reached);

@@ -1,10 +1,10 @@
-//! Locked machines: those that wait for each other, whatever the others do.
+//! Locked machines: those that keep each other from finishing, whatever the others do.
 
 use std::collections::{BTreeSet, VecDeque};
 
 use linewright_relations::{MachineId, Relations};
 
-use crate::model::{Composition, Mark, MarkSet, ModelEvent, Nth, Predicate, Restriction, holds};
+use crate::model::{Composition, Mark, MarkSet, ModelEvent, Nth, Predicate, Restriction};
 
 /// A machine that waits, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,116 +31,124 @@ pub struct Trap {
     pub violated: Option<(Nth, Restriction)>,
 }
 
-/// Up to so many states are looked at for a shortest way.
-const STATES_MAX: usize = 20_000;
+/// Machines that cannot finish from a state, and what can still come.
+struct Locked {
+    machines: BTreeSet<MachineId>,
+    may_come: MarkSet,
+}
 
-/// The machines of a cell that wait for each other in a state for ever: of all that do, as few as lock each other.
-pub(crate) fn locked(relations: &Relations, composition: &Composition, state: &MarkSet) -> BTreeSet<MachineId> {
-    let machines = (0..relations.machines.len()).map(MachineId);
-    let is_idle = |machine: &MachineId| {
-        let own = |of: Nth| composition.operations[of].machines.contains(machine);
-        let executes = state.iter().any(|(of, mark)| {
-            *mark == Mark::Started && own(*of) && !state.contains(&(*of, Mark::Finished))
-        });
-        !executes && !is_done(composition, state, *machine)
+impl Locked {
+    fn value(&self, state: &MarkSet, of: Nth, mark: Mark) -> Option<bool> {
+        match state.contains(&(of, mark)) {
+            true => Some(true),
+            false if self.may_come.contains(&(of, mark)) => None,
+            false => Some(false),
+        }
+    }
+}
+
+/// The machines that cannot finish from a state, if those that are `free` do whatever they like.
+///
+/// Marks are added that may be set, beginning with none: an event may come where its condition can hold with these set or not. What is
+/// not added in the end never comes, since a mark that is set is not taken back.
+fn cannot_finish(
+    relations: &Relations,
+    composition: &Composition,
+    state: &MarkSet,
+    free: &BTreeSet<MachineId>,
+) -> Locked {
+    let is_of = |of: Nth, machines: &BTreeSet<MachineId>| {
+        composition.operations[of].machines.iter().any(|machine| machines.contains(machine))
     };
-    let mut core = stuck(composition, state, machines.filter(is_idle).collect());
-    for machine in core.clone() {
-        let mut fewer = core.clone();
-        fewer.remove(&machine);
-        let fewer = stuck(composition, state, fewer);
-        if !fewer.is_empty() {
+    let mut waiting: Vec<&ModelEvent> =
+        composition.events.iter().filter(|event| !state.contains(&(event.of, event.mark))).collect();
+    let of_free = waiting.iter().filter(|event| is_of(event.of, free)).map(|event| (event.of, event.mark));
+    let mut locked = Locked { machines: BTreeSet::new(), may_come: of_free.collect() };
+    waiting.retain(|event| !is_of(event.of, free));
+    loop {
+        let known = locked.may_come.len();
+        waiting.retain(|event| {
+            let parts = event.allowed.iter().map(|(_, part)| part);
+            let mut parts = std::iter::once(&event.possible).chain(parts);
+            let can_come = parts.all(|part| part.value(&|of, mark| locked.value(state, of, mark)) != Some(false));
+            if can_come {
+                locked.may_come.insert((event.of, event.mark));
+            }
+            !can_come
+        });
+        if locked.may_come.len() == known {
+            break;
+        }
+    }
+    let parts = match &composition.finished {
+        Predicate::All(parts) => &parts[..],
+        one => std::slice::from_ref(one),
+    };
+    let never = parts.iter().filter(|part| part.value(&|of, mark| locked.value(state, of, mark)) == Some(false));
+    let machines =
+        never.flat_map(|part| part.operations()).flat_map(|of| composition.operations[of].machines.iter().copied());
+    locked.machines =
+        machines.filter(|machine| !free.contains(machine) && machine.0 < relations.machines.len()).collect();
+    locked
+}
+
+/// The machines of a cell that keep each other from finishing: of all that cannot, as few as do.
+fn locked(relations: &Relations, composition: &Composition, state: &MarkSet) -> Locked {
+    let mut free = BTreeSet::new();
+    let mut core = cannot_finish(relations, composition, state, &free);
+    for machine in core.machines.clone() {
+        free.insert(machine);
+        let fewer = cannot_finish(relations, composition, state, &free);
+        if fewer.machines.is_empty() {
+            free.remove(&machine);
+        } else {
             core = fewer;
         }
     }
     core
 }
 
-/// Whether a machine has nothing to do any more: none of its events can come, whatever others do, and its last place is done.
-fn is_done(composition: &Composition, state: &MarkSet, machine: MachineId) -> bool {
-    let parts = match &composition.finished {
-        Predicate::All(parts) => &parts[..],
-        one => std::slice::from_ref(one),
-    };
-    let is_own = |part: &&Predicate| part.operations().iter().any(|of| composition.operations[*of].machines.contains(&machine));
-    parts.iter().filter(is_own).all(|part| holds(part, state))
-}
-
-/// Of these machines, those none of whose events can come as long as all of them stand still.
-fn stuck(composition: &Composition, state: &MarkSet, mut machines: BTreeSet<MachineId>) -> BTreeSet<MachineId> {
-    loop {
-        let frozen = |of: Nth| composition.operations[of].machines.iter().any(|machine| machines.contains(machine));
-        // Marks are never taken back; of machines that go on, those that are not set may come.
-        let value = |of: Nth, mark: Mark| match (state.contains(&(of, mark)), frozen(of)) {
-            (true, _) => Some(true),
-            (false, true) => Some(false),
-            (false, false) => None,
-        };
-        let can_come = |event: &&ModelEvent| {
-            !state.contains(&(event.of, event.mark))
-                && event.possible.value(&value) != Some(false)
-                && event.allowed.iter().all(|(_, part)| part.value(&value) != Some(false))
-        };
-        let moving: BTreeSet<MachineId> = composition
-            .events
-            .iter()
-            .filter(can_come)
-            .flat_map(|event| composition.operations[event.of].machines.iter().copied())
-            .collect();
-        let fewer: BTreeSet<MachineId> = machines.difference(&moving).copied().collect();
-        if fewer == machines {
-            return machines;
-        }
-        machines = fewer;
-    }
-}
-
 /// What each of these machines waits for.
-fn waits(relations: &Relations, composition: &Composition, state: &MarkSet, locked: &BTreeSet<MachineId>) -> Vec<WaitingMachine> {
-    let turn = |event: &&ModelEvent| event.mark != Mark::Finished && event.is_possible(state);
-    let _ = relations;
+fn waits(composition: &Composition, state: &MarkSet, locked: &Locked) -> Vec<WaitingMachine> {
+    let value = |of: Nth, mark: Mark| locked.value(state, of, mark);
     let wait = |machine: &MachineId| {
-        let own = |event: &&ModelEvent| composition.operations[event.of].machines.contains(machine);
-        let possible: Vec<&ModelEvent> = composition.events.iter().filter(own).filter(turn).collect();
-        // A choice that no state allows, or an operation of another machine as well, is not possible yet.
-        let next: Vec<&ModelEvent> = match possible.is_empty() {
-            false => possible,
-            true => next_of(composition, state, *machine),
+        let never = composition.events.iter().filter(|event| {
+            event.mark != Mark::Finished
+                && composition.operations[event.of].machines.contains(machine)
+                && value(event.of, event.mark) == Some(false)
+        });
+        // The first that never comes is the first whose turn comes: what it waits for is not an operation of its own machine.
+        let order =
+            |event: &&ModelEvent| (composition.operations[event.of].instance, composition.operations[event.of].depth);
+        let mut never: Vec<&ModelEvent> = never.collect();
+        never.sort_by_key(order);
+        let has_turn = |event: &&ModelEvent| event.possible.value(&value) != Some(false);
+        let first = never.iter().copied().find(has_turn).or(never.first().copied());
+        let lacking = |event: &ModelEvent| -> Vec<(Restriction, Predicate)> {
+            event.allowed.iter().filter(|(_, part)| part.value(&value) == Some(false)).cloned().collect()
         };
-        let broken = |event: &ModelEvent| -> Vec<(Restriction, Predicate)> {
-            event.allowed.iter().filter(|(_, part)| !holds(part, state)).cloned().collect()
-        };
-        let lacks: Vec<(Restriction, Predicate)> = next.first().map_or_else(Vec::new, |event| broken(event));
+        let lacks = first.map_or_else(Vec::new, lacking);
         let mut waits_for: Vec<Nth> = lacks.iter().flat_map(|(_, part)| part.operations()).collect();
         if lacks.is_empty() {
-            waits_for.extend(next.iter().flat_map(|event| event.possible.operations()));
+            waits_for.extend(first.iter().flat_map(|event| event.possible.operations()));
         }
         let is_open = |of: &Nth| {
-            let operation = &composition.operations[*of];
-            !state.contains(&(*of, Mark::Finished)) && operation.machines.iter().any(|of| locked.contains(of) && of != machine)
+            let others = composition.operations[*of].machines.iter().filter(|other| *other != machine);
+            value(*of, Mark::Finished) == Some(false) && others.into_iter().any(|other| locked.machines.contains(other))
         };
         waits_for.retain(is_open);
         waits_for.sort_unstable();
         waits_for.dedup();
         let mut restrictions: Vec<Restriction> = lacks.into_iter().map(|(restriction, _)| restriction).collect();
         restrictions.dedup();
-        WaitingMachine { machine: *machine, next: next.iter().map(|event| event.of).collect(), lacks: restrictions, waits_for }
+        WaitingMachine {
+            machine: *machine,
+            next: first.iter().map(|event| event.of).collect(),
+            lacks: restrictions,
+            waits_for,
+        }
     };
-    locked.iter().map(wait).collect()
-}
-
-/// The first events of a machine that are not there yet.
-fn next_of<'c>(composition: &'c Composition, state: &MarkSet, machine: MachineId) -> Vec<&'c ModelEvent> {
-    let is_next = |event: &&ModelEvent| {
-        composition.operations[event.of].machines.contains(&machine) && !state.contains(&(event.of, event.mark))
-    };
-    let mut next: Vec<&ModelEvent> = composition.events.iter().filter(is_next).collect();
-    next.sort_by_key(|event| {
-        let operation = &composition.operations[event.of];
-        (operation.instance, operation.depth, event.mark)
-    });
-    next.truncate(1);
-    next
+    locked.machines.iter().map(wait).collect()
 }
 
 /// What is wrong in a state for good, if anything.
@@ -150,15 +158,17 @@ fn trapped(relations: &Relations, composition: &Composition, state: &MarkSet) ->
         return Some(Trap { violated: Some((of, restriction.clone())), ..trap });
     }
     let locked = locked(relations, composition, state);
-    (!locked.is_empty()).then(|| Trap { locked: waits(relations, composition, state, &locked), ..trap })
+    (!locked.machines.is_empty()).then(|| Trap { locked: waits(composition, state, &locked), ..trap })
 }
 
-/// A way from a state into a trap, through states that are lost already: the shortest, unless too many states lie between.
+/// A way from a state into a trap, through states that are lost already: the shortest, unless more than
+/// `states_max` lie between.
 pub(crate) fn way_into_trap(
     relations: &Relations,
     composition: &Composition,
     from: &MarkSet,
     is_lost: &dyn Fn(&MarkSet) -> bool,
+    states_max: usize,
 ) -> Option<Trap> {
     let mut queue = VecDeque::from([(from.clone(), None::<usize>, None)]);
     let mut seen: BTreeSet<MarkSet> = BTreeSet::from([from.clone()]);
@@ -176,7 +186,7 @@ pub(crate) fn way_into_trap(
             way.reverse();
             return Some(Trap { way: without_ends(way), ..trap });
         }
-        if seen.len() > STATES_MAX {
+        if seen.len() > states_max {
             return some_way(relations, composition, from, is_lost);
         }
         for event in composition.enabled(&state) {

@@ -168,7 +168,14 @@ impl<'r> Automata<'r> {
                         if relations.operation(row.operation).every > 1 {
                             place.push(tasks.len());
                             let (rows, executions) = (vec![(machine, row)], Vec::new());
-                            tasks.push(Task { instance, rows, executions, way: None, is_left_out: true, has_choice: false });
+                            tasks.push(Task {
+                                instance,
+                                rows,
+                                executions,
+                                way: None,
+                                is_left_out: true,
+                                has_choice: false,
+                            });
                         }
                     }
                     if place.len() > 1 {
@@ -194,7 +201,9 @@ impl<'r> Automata<'r> {
             let home = self.relations.ways(sequence.elements[0].alternatives[0].operation).next()?;
             home.initial.state(*component).flatten()
         };
-        let number = |component: &ComponentRef| state(component).map_or(UNKNOWN, |state| u8::try_from(state.0).unwrap_or(UNKNOWN));
+        let number = |component: &ComponentRef| {
+            state(component).map_or(UNKNOWN, |state| u8::try_from(state.0).unwrap_or(UNKNOWN))
+        };
         State {
             tasks: vec![IDLE; self.tasks.len()],
             places: vec![0; self.machines.len()],
@@ -230,7 +239,8 @@ impl<'r> Automata<'r> {
                 }
                 IDLE | CHOSEN => {
                     let is_free = task.rows.iter().any(|(_, row)| row.kind == OperationKind::Uncontrolled);
-                    let begins = self.is_its_turn(state, nth) && (!is_free || task.is_left_out || self.preceded(state, task));
+                    let begins =
+                        self.is_its_turn(state, nth) && (!is_free || task.is_left_out || self.preceded(state, task));
                     if begins {
                         steps.push((nth, EXECUTING, !is_free && !task.is_left_out));
                     }
@@ -261,7 +271,9 @@ impl<'r> Automata<'r> {
     fn preceded(&self, state: &State, task: &Task<'_>) -> bool {
         let is_finished = |operation: OperationId| {
             self.tasks.iter().zip(&state.tasks).any(|(other, is)| {
-                other.instance == task.instance && *is == DONE && other.rows.iter().any(|(_, row)| row.operation == operation)
+                other.instance == task.instance
+                    && *is == DONE
+                    && other.rows.iter().any(|(_, row)| row.operation == operation)
             })
         };
         task.rows.iter().all(|(_, row)| row.after.holds(&is_finished))
@@ -304,13 +316,14 @@ impl<'r> Automata<'r> {
                 InterlockedAction::State { component, to } => task.executions.iter().all(|way| {
                     let steps: Vec<_> = way.steps().collect();
                     steps.windows(2).all(|pair| {
-                        let is_ordered =
-                            pair[1].state(*component) == Some(Some(*to)) && pair[0].state(*component) != Some(Some(*to));
+                        let is_ordered = pair[1].state(*component) == Some(Some(*to))
+                            && pair[0].state(*component) != Some(Some(*to));
                         let is_internal = |term: &&&InterlockTerm| {
                             let own = term.states.iter().filter(|state| state.component.machine == component.machine);
                             own.into_iter().all(|state| pair[0].state(state.component) == Some(Some(state.state)))
                         };
-                        !is_ordered || terms.iter().filter(is_internal).any(|term| self.term_holds(state, nth, term, at_start))
+                        !is_ordered
+                            || terms.iter().filter(is_internal).any(|term| self.term_holds(state, nth, term, at_start))
                     })
                 }),
             }
@@ -329,7 +342,8 @@ impl<'r> Automata<'r> {
             })
         };
         let is_own = |of: ComponentRef| task.rows.iter().any(|(machine, _)| *machine == of.machine);
-        let external = term.states.iter().filter(|wanted| !is_own(wanted.component) && (at_start || !wanted.is_initial));
+        let external =
+            term.states.iter().filter(|wanted| !is_own(wanted.component) && (at_start || !wanted.is_initial));
         external.into_iter().all(|wanted| usize::from(self.component(state, wanted.component)) == wanted.state.0)
             && !others(&term.not_started, true, &|is| is >= EXECUTING)
             && !others(&term.not_ongoing, false, &|is| is == EXECUTING)

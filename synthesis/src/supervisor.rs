@@ -71,7 +71,7 @@ pub struct SynthesisSizes {
     pub reachable: f64,
     /// States that are reached under supervision.
     pub supervised: f64,
-    /// Most nodes at once.
+    /// Nodes of the largest set of states on the way.
     pub peak_nodes: usize,
     /// Images and preimages.
     pub steps: u64,
@@ -105,7 +105,11 @@ pub struct Supervisor {
 ///
 /// # Errors
 /// [`TooLarge`] where it is, in every order of variables.
-pub fn synthesise(relations: &Relations, products: &[ConditionId], limits: &SynthesisLimits) -> Result<Synthesis, TooLarge> {
+pub fn synthesise(
+    relations: &Relations,
+    products: &[ConditionId],
+    limits: &SynthesisLimits,
+) -> Result<Synthesis, TooLarge> {
     let composition = compose(relations, products, &|_| false);
     let found = within_limits(&composition, limits, &mut |diagrams, order| {
         let controlled = control(diagrams, &composition)?;
@@ -138,7 +142,7 @@ pub(crate) fn exists(
 }
 
 /// Computes with diagrams in several orders of variables, each with few nodes first.
-fn within_limits<T>(
+pub(crate) fn within_limits<T>(
     composition: &Composition,
     limits: &SynthesisLimits,
     compute: &mut dyn FnMut(&mut Diagrams, &'static str) -> Result<T, OutOfMemory>,
@@ -146,7 +150,8 @@ fn within_limits<T>(
     let orders = orders(composition);
     let mut steps = 0;
     // Eight times as many each time: what fits in few is found soon, in whichever order.
-    let mut nodes = NODES_FIRST.min(limits.nodes);
+    let variables = 2 * composition.operations.len();
+    let mut nodes = (NODES_FIRST * variables).clamp(1 << 14, 1 << 20).min(limits.nodes);
     loop {
         for (name, order) in &orders {
             let Ok(mut diagrams) = Diagrams::new(composition, order, nodes) else { continue };
@@ -163,8 +168,11 @@ fn within_limits<T>(
     }
 }
 
-/// Nodes that every order has first.
-const NODES_FIRST: usize = 1 << 18;
+/// Up to so many states are looked at for the shortest way from a start into a deadlock.
+const STATES_MAX: usize = 500;
+
+/// Nodes for each variable that every order has first.
+const NODES_FIRST: usize = 1 << 12;
 
 /// Orders of variables that are worth trying: which is best depends on the cell.
 fn orders(composition: &Composition) -> Vec<(&'static str, Vec<Nth>)> {
@@ -200,7 +208,7 @@ fn added(
         state.insert((event.event.of, event.event.mark));
         let is_lost = |state: &_| !diagrams.has(&controlled.good, state);
         let nothing = Trap { way: Vec::new(), is_shortest: false, locked: Vec::new(), violated: None };
-        let reason = way_into_trap(relations, composition, &state, &is_lost).unwrap_or(nothing);
+        let reason = way_into_trap(relations, composition, &state, &is_lost, STATES_MAX).unwrap_or(nothing);
         added.push(AddedPredecessor { of: event.event.of, guard, reason });
     }
     Ok(added)
@@ -235,7 +243,8 @@ pub fn combinations(relations: &Relations, most: usize) -> Option<Vec<Vec<Condit
         let own: Vec<ConditionId> = of_cycle.map(|(nth, _)| ConditionId(nth)).collect();
         let mut longest: Vec<Vec<ConditionId>> = vec![Vec::new()];
         for _ in 0..relations.products_max {
-            longest = longest.iter().flat_map(|products| own.iter().map(|next| [&products[..], &[*next]].concat())).collect();
+            longest =
+                longest.iter().flat_map(|products| own.iter().map(|next| [&products[..], &[*next]].concat())).collect();
             all.extend(longest.iter().cloned());
             if all.len() > most {
                 return None;

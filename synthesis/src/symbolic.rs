@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use oxidd::bdd::{BDDFunction, BDDManagerRef, new_manager};
 use oxidd::util::{OptBool, OutOfMemory, SatCountCache, num::F64};
-use oxidd::{BooleanFunction, BooleanFunctionQuant, BooleanOperator, Manager, ManagerRef};
+use oxidd::{BooleanFunction, BooleanFunctionQuant, BooleanOperator, Function, Manager, ManagerRef};
 
 use crate::model::{Composition, Mark, MarkSet, ModelEvent, Nth, Predicate};
 
@@ -29,7 +29,7 @@ pub(crate) struct Diagrams {
     manager: BDDManagerRef,
     variables: BTreeMap<(Nth, Mark), (u32, BDDFunction)>,
     marks: Vec<(Nth, Mark)>,
-    /// Most nodes at once.
+    /// Nodes of the largest set.
     pub peak_nodes: usize,
     /// Steps of the computation: images and preimages.
     pub steps: u64,
@@ -61,7 +61,8 @@ impl Diagrams {
 
     /// All states, or none.
     pub fn constant(&self, value: bool) -> BDDFunction {
-        self.manager.with_manager_shared(|manager| if value { BDDFunction::t(manager) } else { BDDFunction::f(manager) })
+        self.manager
+            .with_manager_shared(|manager| if value { BDDFunction::t(manager) } else { BDDFunction::f(manager) })
     }
 
     /// The states with a mark.
@@ -80,12 +81,8 @@ impl Diagrams {
             Predicate::Const(value) => Ok(self.constant(*value)),
             Predicate::Has(of, mark) => Ok(self.variable(*of, *mark)),
             Predicate::Not(part) => self.set(part)?.not(),
-            Predicate::All(parts) => {
-                parts.iter().try_fold(self.constant(true), |set, part| set.and(&self.set(part)?))
-            }
-            Predicate::Any(parts) => {
-                parts.iter().try_fold(self.constant(false), |set, part| set.or(&self.set(part)?))
-            }
+            Predicate::All(parts) => parts.iter().try_fold(self.constant(true), |set, part| set.and(&self.set(part)?)),
+            Predicate::Any(parts) => parts.iter().try_fold(self.constant(false), |set, part| set.or(&self.set(part)?)),
         }
     }
 
@@ -108,20 +105,19 @@ impl Diagrams {
 
     /// The states that an event leads to from those of `of` that are in `enabled`.
     pub fn image(&mut self, event: &SymbolicEvent<'_>, enabled: &BDDFunction, of: &BDDFunction) -> Set {
-        self.note();
+        self.steps += 1;
         of.apply_exists(BooleanOperator::And, enabled, &event.variable)?.and(&event.variable)
     }
 
     /// The states from which an event leads into `to`, whether it is enabled or not.
     pub fn preimage(&mut self, event: &SymbolicEvent<'_>, to: &BDDFunction) -> Set {
-        self.note();
+        self.steps += 1;
         to.restrict(&event.variable)
     }
 
-    fn note(&mut self) {
-        self.steps += 1;
-        let nodes = self.manager.with_manager_shared(|manager| manager.approx_num_inner_nodes());
-        self.peak_nodes = self.peak_nodes.max(nodes);
+    /// Notes the size of a set.
+    pub fn note(&mut self, set: &BDDFunction) {
+        self.peak_nodes = self.peak_nodes.max(set.node_count());
     }
 
     /// Number of states.

@@ -89,7 +89,8 @@ impl Texts<'_> {
                 let mut rows: Vec<_> = rows.filter(|row| row.zones_before.contains(zone)).collect();
                 rows.sort_by_key(|row| row.row);
                 rows.dedup_by_key(|row| row.row);
-                let ids: Vec<&str> = rows.iter().map(|row| self.relations.operation(row.operation).id.as_str()).collect();
+                let ids: Vec<&str> =
+                    rows.iter().map(|row| self.relations.operation(row.operation).id.as_str()).collect();
                 let place = rows.first().map_or_else(String::new, |row| self.relations.place(row.row));
                 let zone = &self.relations.zone(*zone).name;
                 format!("{place}: {} takes zone {zone} in {}", self.machine(*machine), ids.join(", "))
@@ -120,8 +121,12 @@ impl Texts<'_> {
             Restriction::Booking(_, zone) => Some(format!("zone {}", self.relations.zone(*zone).name)),
             _ => None,
         });
-        let mut machines: Vec<&str> =
-            wait.waits_for.iter().flat_map(|of| &self.composition.operations[*of].machines).map(|of| self.machine(*of)).collect();
+        let mut machines: Vec<&str> = wait
+            .waits_for
+            .iter()
+            .flat_map(|of| &self.composition.operations[*of].machines)
+            .map(|of| self.machine(*of))
+            .collect();
         machines.sort_unstable();
         machines.dedup();
         let operations: Vec<String> = wait.waits_for.iter().map(|of| self.operation(*of)).collect();
@@ -137,7 +142,11 @@ impl Texts<'_> {
     /// What a trap is, in one sentence for each machine.
     pub fn trap(&self, trap: &Trap) -> Vec<String> {
         let violated = trap.violated.iter().map(|(of, restriction)| {
-            format!("nothing holds back {}, against {}", self.operation_with_comment(*of), self.restriction(restriction))
+            format!(
+                "nothing holds back {}, against {}",
+                self.operation_with_comment(*of),
+                self.restriction(restriction)
+            )
         });
         violated.chain(trap.locked.iter().map(|wait| self.wait(wait))).collect()
     }

@@ -86,8 +86,10 @@ impl Draft<'_> {
         let not_started = not_started.filter(|other| *other != of && !self.operations[*other].is_left_out);
         let not_started = not_started.map(|other| Predicate::Has(other, Mark::Started).negated());
         let instances = 0..self.products.len();
-        let ongoing = instances.flat_map(|instance| term.not_ongoing.iter().flat_map(move |id| self.done_by(instance, *id)));
-        let not_ongoing = ongoing.filter(|other| *other != of).map(|other| Predicate::executing(other).negated());
+        let ongoing =
+            instances.flat_map(|instance| term.not_ongoing.iter().flat_map(move |id| self.done_by(instance, *id)));
+        let not_ongoing = ongoing.filter(|other| *other != of && !self.operations[*other].is_left_out);
+        let not_ongoing = not_ongoing.map(|other| Predicate::executing(other).negated());
         all(states.chain(not_started).chain(not_ongoing))
     }
 

@@ -210,7 +210,8 @@ impl<'r> Draft<'r> {
         for _ in 0..count {
             let mut is_same = true;
             for of in 0..count {
-                let depth = near[of].iter().map(|before| self.operations[*before].depth + 1).max().unwrap_or(0).min(count);
+                let depth =
+                    near[of].iter().map(|before| self.operations[*before].depth + 1).max().unwrap_or(0).min(count);
                 is_same &= depth <= self.operations[of].depth;
                 self.operations[of].depth = depth.max(self.operations[of].depth);
             }
@@ -242,7 +243,8 @@ impl<'r> Draft<'r> {
     fn events_of(&self, of: Nth) -> Vec<ModelEvent> {
         let operation = &self.operations[of];
         let not = |mark: Mark| Predicate::Has(of, mark).negated();
-        let turn = all(self.places_of(of).map(|(nth, _)| self.previous(nth).map_or(Predicate::Const(true), Place::done)));
+        let turn =
+            all(self.places_of(of).map(|(nth, _)| self.previous(nth).map_or(Predicate::Const(true), Place::done)));
         let others = self.places_of(of).flat_map(|(_, place)| place.choices.iter().map(|(other, _)| *other));
         let others: Vec<Nth> = others.filter(|other| *other != of).collect();
         let mut events = Vec::new();

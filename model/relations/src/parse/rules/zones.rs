@@ -55,13 +55,16 @@ pub(super) fn zones_are_kept_until_they_are_freed(relations: &Relations, finding
             }
             let rare = element.alternatives.iter().find(|row| relations.operation(row.operation).every > 1);
             if let Some(row) = rare
-                && (!row.zones_after.is_empty() || held(sequence).iter().any(|(other, had)| {
-                    std::ptr::eq(*other, row) && row.zones_before.iter().any(|zone| had.contains(zone))
-                }))
+                && (!row.zones_after.is_empty()
+                    || held(sequence).iter().any(|(other, had)| {
+                        std::ptr::eq(*other, row) && row.zones_before.iter().any(|zone| had.contains(zone))
+                    }))
             {
                 let id = &relations.operation(row.operation).id;
-                let message = format!("operation `{id}` is not done in every cycle, and keeps or frees a zone for others");
-                let hint = "where it is left out, its machine would have other zones: take and free the zone in it alone";
+                let message =
+                    format!("operation `{id}` is not done in every cycle, and keeps or frees a zone for others");
+                let hint =
+                    "where it is left out, its machine would have other zones: take and free the zone in it alone";
                 findings.error(row.row, "zones_before", message, hint);
             }
             let kept_before: Zones = held(sequence)
