@@ -1,7 +1,7 @@
 //! The largest set of states in which nothing is locked and nothing bad can happen by itself.
 //!
-//! Backwards from the finished states, within the reachable ones that violate nothing; states from which something that nobody
-//! can hold back leads out of what remains are taken away, until nothing changes.
+//! Backwards from the finished states, within the reachable ones that violate nothing; states from which an uncontrollable event
+//! leads out of what remains are taken away, until nothing changes.
 
 use oxidd::BooleanFunction;
 use oxidd::bdd::BDDFunction;

@@ -1,7 +1,7 @@
 //! What a supervisor adds to the start of an operation, as a condition that can be read.
 //!
 //! Of the states in which an operation may start, some must allow it and some must forbid it; all others do not matter. Marks that
-//! are not needed to tell the two apart are left out one by one: first that something has been chosen or started, then what has
+//! are not needed to keep the two apart are left out one by one: first that something has been chosen or started, then what has
 //! finished, the earliest first, so that what remains is the latest that has to be finished. What remains is written as an
 //! irredundant sum of products (Minato 1992), of what allows or of what forbids, whichever is shorter.
 

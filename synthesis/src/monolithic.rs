@@ -41,7 +41,7 @@ const IDLE: u8 = 0;
 const CHOSEN: u8 = 1;
 const EXECUTING: u8 = 2;
 const DONE: u8 = 3;
-/// A component whose state nothing says, and one that is being changed.
+/// A component whose state is unknown, and one that is being changed.
 const UNKNOWN: u8 = 254;
 const MOVING: u8 = 255;
 

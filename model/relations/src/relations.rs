@@ -208,7 +208,7 @@ pub enum OperationKind {
     Exception,
     /// By several machines at once, each with an operation of its own (E).
     Parallel,
-    /// By somebody whom nothing holds back, such as an operator.
+    /// Its start cannot be held back: an operator does it, for instance.
     Uncontrolled,
 }
 

@@ -120,8 +120,8 @@ impl Draft<'_> {
         }))
     }
 
-    /// That a component is in a state, as far as operations other than `of` say; `is_benefit`: where nothing says what it begins
-    /// with, it may be.
+    /// That a component is in a state, as far as it follows from operations other than `of`; `is_benefit`: where its first
+    /// state is unknown, it may be in it.
     fn is_in(&self, of: Nth, component: ComponentRef, state: ComponentState, is_benefit: bool) -> Predicate {
         let changers = self.changers(of, component, state);
         let finished = |changer: &Changer| Predicate::Has(changer.of, Mark::Finished);
