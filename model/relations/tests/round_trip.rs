@@ -71,7 +71,7 @@ proptest! {
         relations.machines[0].components[0].block = Some(texts[2].clone());
         relations.conditions[0].cycle = cycle;
         relations.operations[3].comment = texts[3].clone();
-        relations.operations[5].every = every;
+        relations.operations[19].every = every;
         relations.operations[5].duration = millis.map(std::time::Duration::from_millis);
         relations.sequences[0].elements[1].alternatives[0].comment = texts[4].clone();
         relations.executions[1].initial.alarm = alarm;

@@ -17,7 +17,7 @@ fn names(relations: &Relations, zones: &Zones) -> String {
 }
 
 /// For each row the zones that its machine has when it begins.
-fn held<'a>(sequence: &'a MachineSequence) -> Vec<(&'a RelatedOperation, Zones)> {
+fn held(sequence: &MachineSequence) -> Vec<(&RelatedOperation, Zones)> {
     let mut all = Vec::new();
     let mut zones = Zones::new();
     for element in &sequence.elements {
