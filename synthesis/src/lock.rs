@@ -161,6 +161,9 @@ fn trapped(relations: &Relations, composition: &Composition, state: &MarkSet) ->
     (!locked.machines.is_empty()).then(|| Trap { locked: waits(composition, state, &locked), ..trap })
 }
 
+/// The number of the state before, and the mark that was set; neither for the first.
+type Arrival = (Option<usize>, Option<(Nth, Mark)>);
+
 /// A way from a state into a trap, through states that are lost already: the shortest, unless more than
 /// `states_max` lie between.
 pub(crate) fn way_into_trap(
@@ -172,7 +175,7 @@ pub(crate) fn way_into_trap(
 ) -> Option<Trap> {
     let mut queue = VecDeque::from([(from.clone(), None::<usize>, None)]);
     let mut seen: BTreeSet<MarkSet> = BTreeSet::from([from.clone()]);
-    let mut came: Vec<(Option<usize>, Option<(Nth, Mark)>)> = Vec::new();
+    let mut came: Vec<Arrival> = Vec::new();
     while let Some((state, parent, by)) = queue.pop_front() {
         came.push((parent, by));
         let own = came.len() - 1;

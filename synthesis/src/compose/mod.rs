@@ -209,9 +209,8 @@ impl<'r> Draft<'r> {
         // As many rounds as the longest chain; a ring, which the tables cannot have among certain predecessors, ends it too.
         for _ in 0..count {
             let mut is_same = true;
-            for of in 0..count {
-                let depth =
-                    near[of].iter().map(|before| self.operations[*before].depth + 1).max().unwrap_or(0).min(count);
+            for (of, near) in near.iter().enumerate() {
+                let depth = near.iter().map(|before| self.operations[*before].depth + 1).max().unwrap_or(0).min(count);
                 is_same &= depth <= self.operations[of].depth;
                 self.operations[of].depth = depth.max(self.operations[of].depth);
             }
