@@ -36,6 +36,7 @@ mod schema;
 mod shell;
 mod simulate;
 mod states;
+mod synthesise;
 mod watch;
 
 use std::io::IsTerminal;
@@ -71,6 +72,9 @@ enum CliCommand {
     Nets(nets::Args),
     /// Analyse a place/transition net: bounded, live, reversible, deadlocks, invariants.
     Analyse(analyse::Args),
+    /// Synthesise a supervisor from relations of operations: added predecessors with reasons, coordinated operations,
+    /// contradictions.
+    Synthesise(synthesise::Args),
     /// Simulate a line by its own controllers, or a cell, in virtual time: bar chart, cycle time, faults; figures of a
     /// cell with confidence intervals.
     Simulate(simulate::Args),
@@ -117,7 +121,7 @@ enum CliCommand {
     Interface(interface::Args),
     /// Write for each host of a line what is to be installed on it: description, services and their settings.
     Deploy(deploy::Args),
-    /// Print the JSON schema of a description, for editors: line, cell or scenario.
+    /// Print the JSON schema of a description, for editors: line, cell, relations or scenario.
     Schema(schema::Args),
     /// Print the completion script of a shell: bash, elvish, fish, powershell or zsh.
     Completions(shell::CompletionsArgs),
@@ -209,6 +213,7 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Io(args) => io::run(&args),
         CliCommand::Nets(args) => nets::run(&args),
         CliCommand::Analyse(args) => analyse::run(&args),
+        CliCommand::Synthesise(args) => synthesise::run(&args),
         CliCommand::Simulate(args) => simulate::run(&args),
         CliCommand::Report(args) => report::run(&args),
         CliCommand::Run(args) => asynchronous(async move { run::run(args, ros).await }),

@@ -10,7 +10,7 @@ use linewright_text::{KeyPresence, Property, Shape, TEXT_MAX, Usual, sentences};
 use miette::IntoDiagnostic;
 use serde_json::{Map, Value, json};
 
-/// Print the JSON schema of a description: line, cell, or a scenario of a cell.
+/// Print the JSON schema of a description: line, cell, relations, or a scenario of a cell.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "A description names its schema in its first line, by the path from itself:\n\
     #:schema line.schema.json")]
@@ -25,6 +25,8 @@ enum Description {
     Line,
     /// `cell.toml`.
     Cell,
+    /// `relations.toml`.
+    Relations,
     /// A scenario of a cell, for `linewright simulate`.
     Scenario,
 }
@@ -34,6 +36,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let (title, shape) = match args.description {
         Description::Line => ("line.toml", linewright_line::schema()),
         Description::Cell => ("cell.toml", linewright_cell::schema()),
+        Description::Relations => ("relations.toml", linewright_relations::schema()),
         Description::Scenario => ("a scenario of a cell", linewright_simulation::cell::CellScenario::schema()),
     };
     let mut schema = of(&shape);

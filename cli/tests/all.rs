@@ -17,3 +17,4 @@ mod schema;
 mod sessions;
 mod simulate;
 mod support;
+mod synthesise;

@@ -11,7 +11,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().expect("the workspace")
 }
 
-/// The checked-in schema of a description: "line", "cell" or "scenario".
+/// The checked-in schema of a description: "line", "cell", "relations" or "scenario".
 fn schema(of: &str) -> String {
     std::fs::read_to_string(root().join(format!("docs/schema/{of}.json"))).expect("a schema")
 }
@@ -34,7 +34,7 @@ fn shipped() -> Vec<(&'static str, PathBuf)> {
 
 #[test]
 fn schemas_are_as_the_readers_have_it() {
-    for of in ["line", "cell", "scenario"] {
+    for of in ["line", "cell", "relations", "scenario"] {
         let output = linewright(&["schema", of]);
         assert!(output.status.success(), "{output:?}");
         let advice = format!("linewright schema {of} > docs/schema/{of}.json");
@@ -47,7 +47,8 @@ fn schemas_are_as_the_readers_have_it() {
 
 #[test]
 fn shipped_descriptions_name_their_schema() {
-    for (of, file) in shipped() {
+    let relations = ("relations", root().join("launch-config/lines/two-robot-cell/relations.toml"));
+    for (of, file) in shipped().into_iter().chain([relations]) {
         let text = std::fs::read_to_string(&file).expect("a description");
         let path =
             text.lines().next().and_then(|line| line.strip_prefix("#:schema ")).expect("it begins with its schema");

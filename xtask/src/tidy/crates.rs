@@ -7,7 +7,7 @@ use super::WorkspaceMember;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 26] = [
+pub const PURE: [&str; 28] = [
     "linewright-random",
     "linewright-nets",
     "linewright-diagnostics",
@@ -16,6 +16,7 @@ pub const PURE: [&str; 26] = [
     "linewright-eds",
     "linewright-line",
     "linewright-cell",
+    "linewright-relations",
     "linewright-dbc",
     "linewright-orders",
     "linewright-parameters",
@@ -32,6 +33,7 @@ pub const PURE: [&str; 26] = [
     "linewright-proof",
     "linewright-simulation",
     "linewright-recovery",
+    "linewright-synthesis",
     "linewright-faults",
     "linewright-console-view",
 ];
@@ -54,7 +56,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 43] = [
+const MAY_USE: [(&str, &[&str]); 45] = [
     ("linewright-random", &[]),
     ("linewright-nets", &[]),
     ("linewright-diagnostics", &[]),
@@ -66,6 +68,8 @@ const MAY_USE: [(&str, &[&str]); 43] = [
     ("linewright-eds", &["linewright-diagnostics"]),
     ("linewright-line", &["linewright-nets", "linewright-text"]),
     ("linewright-cell", &["linewright-nets", "linewright-text", "linewright-line"]),
+    ("linewright-relations", &["linewright-text"]),
+    ("linewright-synthesis", &["linewright-relations"]),
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-orders", &["linewright-line"]),
     ("linewright-parameters", &["linewright-diagnostics", "linewright-text"]),
