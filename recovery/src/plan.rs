@@ -134,7 +134,11 @@ fn planned_from(line: &Line, situation: &LineSituation) -> RecoveryPlan {
         mode: situation.mode,
         after: None,
     });
-    found.steps.splice(0..0, settled);
+    // In stand-by a station that was stopped on its way back stays where it is: what gives auto comes before the wait.
+    let gives_auto = |step: &RecoveryStep| matches!(step.action, RecoveryAction::Command(_));
+    let is_first = situation.mode != ControlMode::StandBy || !found.steps.iter().all(gives_auto);
+    let at = if is_first { 0 } else { found.steps.len() };
+    found.steps.splice(at..at, settled);
     if !situation.unsettled.is_empty() && found.end == RecoveryEnd::Auto {
         found.end = RecoveryEnd::LookAgain;
     }
