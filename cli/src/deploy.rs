@@ -75,10 +75,13 @@ pub fn run(args: &Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     // What is wrong with a cell is found here, and not on its host.
     let cell = load::cell_of(&args.line, &line)?;
     let hosts = hosts(&line, &args.hosts)?;
-    if hosts.len() > 1 && args.networks.is_empty() {
+    // Nodes find each other by IPv4 alone.
+    let is_v4 = |network: &String| !network.contains(':');
+    if hosts.len() > 1 && !args.networks.iter().any(is_v4) {
         return Err(miette!(
-            help = "for instance `--network 192.168.7.0/24`; the services take packets from there and from their own host alone",
-            "{} hosts need the network that joins them",
+            help =
+                "for instance `--network 192.168.7.0/24`; the services take packets from there and by loopback alone",
+            "{} hosts need the network that joins them, one of IPv4",
             hosts.len()
         ));
     }
@@ -88,10 +91,6 @@ pub fn run(args: &Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         if is_used && !args.force {
             return Err(miette!(help = "give another --out, or --force", "{} is not empty", dir.display()));
         }
-    }
-    let is_v4 = |network: &String| !network.contains(':');
-    if hosts.len() > 1 && !args.networks.iter().any(is_v4) {
-        return Err(miette!("several hosts need a network of IPv4: nodes find each other by it alone"));
     }
     let fingerprint = cell.as_ref().map_or(line.fingerprint(), |cell| cell.fingerprint(&line));
     for (host, nodes) in &hosts {
@@ -266,17 +265,28 @@ if [ "$found" != "$wanted" ]; then
 fi
 installed="$(sed -n 's/^LINE=//p' /etc/linewright/environment 2>/dev/null || true)"
 if [ -n "$installed" ] && [ "$installed" != '/etc/linewright/{line}' ]; then
-    echo "$installed is installed here: end it with 'systemctl disable --now linewright-*' and remove /etc/linewright/environment first" >&2
+    echo "$installed is installed here: run 'install.sh remove' of that line first" >&2
+    exit 1
+fi
+kept=' {services} '
+if [ "${{1:-}}" = remove ]; then
+    kept=' '
+elif [ "$#" != 0 ]; then
+    echo "usage: sh install.sh [remove]" >&2
     exit 1
 fi
 # A node that has moved to another host must not control the same machine from here.
 for unit in $(systemctl list-units --all --plain --no-legend 'linewright-coordinator.service' 'linewright-station@*.service' | awk '{{print $1}}') \
     $(ls /etc/systemd/system/multi-user.target.wants 2>/dev/null | grep -E '^linewright-(coordinator|station@.*)\.service$' || true); do
-    case " {services} " in
+    case "$kept" in
     *" $unit "*) ;;
     *) systemctl disable --now "$unit" ;;
     esac
 done
+if [ "$kept" = ' ' ]; then
+    rm -f /etc/linewright/environment
+    exit 0
+fi
 id linewright >/dev/null 2>&1 || useradd --system --no-create-home linewright
 {installs}systemctl daemon-reload
 systemctl enable {units}

@@ -119,7 +119,7 @@ fn a_conflict_that_no_arrow_prevents_is_a_failed_check() {
     let failed: Vec<&Value> = found["line_checks"].as_array().unwrap().iter().filter(|c| c["ok"] == false).collect();
     assert_eq!(failed.len(), 1, "{failed:?}");
     let reason = failed[0]["reason"].as_str().unwrap();
-    assert!(reason.contains("`transfer: 1st lift`") && reason.contains("manual gets round"), "{reason}");
+    assert!(reason.contains("\"transfer: 1st lift\"") && reason.contains("manual gets round"), "{reason}");
 
     // It is simulated all the same, with a warning.
     let simulated = linewright(&["simulate", &file, "--json"]);

@@ -90,10 +90,10 @@ impl Participant {
         };
         let before = OpenFiles::now();
         let domain_participant = builder.build().map_err(|e| failed(e.to_string()))?;
-        if range == Range::Localhost {
+        if range != Range::Subnet {
             match before.and_then(|before| before.confine_newer()) {
                 Ok(sockets) => tracing::debug!("{sockets} sockets bound to the loopback device"),
-                // It is a barrier besides: what is announced and sent stays on this machine all the same.
+                // The node works without it: it announces itself and sends on the loopback address only.
                 Err(error) => tracing::warn!(
                     "the DDS sockets cannot be bound to the loopback device ({error}), which takes Linux 5.7: they listen on every \
                      network of this machine. Keep UDP ports 7400 to 65535 of this machine behind a firewall"

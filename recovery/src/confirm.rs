@@ -33,7 +33,10 @@ pub(crate) fn text(line: &Line, station: StationId, (at, or): (&RejoinChoice, &[
         None => {
             let ops = all().filter_map(within).map(|op| line.operation((station, op)).name.as_str());
             let ops: Vec<String> = ops.map(|name| format!("`{name}`")).collect();
-            format!("look where it stands, then rejoin --within {}", ops.join(" or "))
+            let (first, all) = (ops.first().map_or("", String::as_str), ops.join(" or "));
+            format!(
+                "look where it stands, then rejoin --within {all}; the steps below are for {first}: where it looks alike in several, that one"
+            )
         }
     };
     format!("{}: {confirm}{}", described.name, numbers_text(all()))

@@ -376,7 +376,8 @@ impl RecoveryPlan {
                 let head = match is_certain {
                     true => {
                         "no presses lead to auto from here; look at the machine, and free by hand what is in the way; where a journal is \
-                         lost, bring every station home by hand, drives off: from there `start` begins anew"
+                         lost, confirm that station once more, with another operation that fits (`rejoin --within`), or bring every \
+                         station home by hand, drives off: from there `start` begins anew"
                     }
                     false => {
                         "no way to auto was found within the bounds of the search; lead the stations home in manual"

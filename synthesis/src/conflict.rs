@@ -1,4 +1,4 @@
-//! Why there is no supervisor: rows that contradict each other, as few as do, and a way into the trap.
+//! Why there is no supervisor: rows that contradict each other, of which none can be left out, and a way into the trap.
 //!
 //! Predecessors, bookings of zones and interlocks only restrict: with fewer of them more is possible, so that taking them away one
 //! after the other, by whole syntheses, leaves a set of which none can be missing. Operations, their order in each machine, choices
@@ -43,7 +43,7 @@ pub(crate) fn explain(
         syntheses += 1;
         exists(relations, products, &|restriction| !kept.contains(restriction), limits).map(|exists| !exists)
     };
-    // Which of several conflicts is left depends on the order in which rows are taken away: the smallest of two.
+    // Which of several conflicts is left depends on the order in which rows are taken away: the smaller of two.
     let mut conflict = smaller(all.clone(), &mut contradicts)?;
     let backwards = smaller(all.into_iter().rev().collect(), &mut contradicts)?;
     if backwards.len() < conflict.len() {

@@ -28,7 +28,7 @@ pub struct Guard {
     pub terms: Vec<Vec<MarkValue>>,
 }
 
-/// The shortest condition that holds in all of `allow` and nowhere in `forbid`.
+/// A condition that holds in all of `allow` and nowhere in `forbid`; no mark of it can be left out.
 pub(crate) fn readable(
     diagrams: &Diagrams,
     composition: &Composition,

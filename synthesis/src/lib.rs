@@ -4,7 +4,7 @@
 //! leaves, and which of them end in a deadlock, follows: [`synthesise`] composes automata of operations, machines and zones, machine
 //! sequences, relations and safety specifications, and finds the supervisor that keeps the cell out of every deadlock and holds back
 //! nothing else. What it adds are *added predecessors*, one condition for the start of an operation, each with the deadlock that it
-//! prevents. Where there is no supervisor, rows of the tables contradict each other: as few as do are named ([`Contradiction`]).
+//! prevents. Where there is no supervisor, rows of the tables contradict each other: those of which none can be left out are named ([`Contradiction`]).
 //!
 //! It does not know how operations are carried out, how long they take, or when they run. It reads no file and no clock.
 //!

@@ -92,7 +92,7 @@ fn cannot_finish(
     locked
 }
 
-/// The machines of a cell that keep each other from finishing: of all that cannot, as few as do.
+/// The machines of a cell that keep each other from finishing: of all that cannot, those of which none can be left out.
 fn locked(relations: &Relations, composition: &Composition, state: &MarkSet) -> Locked {
     let mut free = BTreeSet::new();
     let mut core = cannot_finish(relations, composition, state, &free);

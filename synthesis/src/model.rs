@@ -77,7 +77,7 @@ impl Predicate {
 pub enum Restriction {
     /// The predecessors in this row of the relations.
     Predecessors(TableRow),
-    /// That a machine books a zone.
+    /// That a machine waits for a zone that another one has. Without it others still wait for this one's.
     Booking(MachineId, ZoneId),
     /// The automatic terms of an interlock, by its number.
     Interlock(usize),

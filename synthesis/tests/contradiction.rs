@@ -83,9 +83,9 @@ fn only(table: &str, relations_of: &Relations, kept: &[&Restriction]) -> String 
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// A machine whose booking is left out may still have the zone, and others wait for it: bookings are left out in pairs here.
+/// Of zones this is not so row by row: a machine that does not wait for one may still have it, and others wait.
 #[test]
-fn without_any_one_row_of_a_conflict_there_is_a_supervisor() {
+fn without_any_one_predecessor_of_a_conflict_there_is_a_supervisor() {
     let table = contradictory();
     let relations_of = relations(&table);
     let conflict = contradiction(&relations_of).conflict;

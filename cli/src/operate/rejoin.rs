@@ -214,9 +214,12 @@ fn unchanged(state: Option<&Stand>, named: Option<&str>, has_numbers: bool) -> S
         (Some(advice), None) => advice.to_owned(),
         (None, Some(named)) if state.is_lost => format!("its switches do not fit `{named}`: {}", state.fault),
         (None, None) if state.is_lost => format!("its switches do not tell where it stands: {}", state.fault),
-        (None, _) if state.generation == 0 && !state.is_task_driven => {
-            "no answer received, and its state is as before; confirm again, and see its log".to_owned()
-        }
+        (None, named) if state.generation == 0 && !state.is_task_driven => match named {
+            Some(named) => format!("its switches do not fit `{named}`, or no answer was received; its log has the reason"),
+            None => "its switches do not determine where it stands: look, and name its operation with --within, as `recover` lists it; \
+                     its log has the reason"
+                .to_owned(),
+        },
         (None, _) if has_numbers => {
             "its position is known, and the numbers of its task from its order: nothing to confirm".to_owned()
         }

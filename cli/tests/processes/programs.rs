@@ -1,7 +1,7 @@
 //! A running line and a cell as programs use them: diagnostics, the log, commands of the mode by services, an order as an action.
 //!
 //! ```text
-//!   stranger ── set_mode, start, stop, estop, reset ──▶ coordinator ── the decision of mode_cmd ──▶ accepted, or all reasons
+//!   stranger ── set_mode, stop, estop ──▶ coordinator ── the decision of mode_cmd ──▶ accepted, or all reasons
 //!   stranger ◀── /diagnostics of every node, each name in one group ── /rosout
 //!   stranger ── dispatch_order ──▶ cell ── parts done of how many ──▶ done; cancelled: withdrawn
 //! ```

@@ -402,10 +402,10 @@ impl Coordination {
     }
 
     /// Whether all stations that a mode needs were received in this life and can work, and its resources were compared with the
-    /// model. Until then it waits; it is not an exception. A station at another rest than its task begins at is ordered all the same where its
-    /// resource is not left out for it: its refusal is an alarm, and an order that waits would be none.
+    /// model. Until then it waits; it is not an exception. A station at another rest than its task begins at is ordered all the same, unless its
+    /// resource is about to be left out for it: its refusal is an alarm, and an order that waits would be none.
     pub(super) fn is_heard(&self, now: Tick, mode: ModeId) -> bool {
-        self.unready(now, mode).is_none() && self.uncompared(mode).is_none()
+        self.unready(now, mode).is_none() && self.uncompared(mode).is_none() && !self.is_to_be_left_out(mode)
     }
 
     /// The first resource of a mode that has still to be compared with the model.

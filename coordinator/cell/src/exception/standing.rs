@@ -48,6 +48,15 @@ impl Coordination {
         })
     }
 
+    /// Whether the next look at rests leaves out a resource of this mode.
+    pub(crate) fn is_to_be_left_out(&self, mode: ModeId) -> bool {
+        let Some(OtherRest { station, .. }) = self.other_rest(mode) else { return false };
+        let handling = self.state.table().handling();
+        let mut of_station =
+            handling.resource_ids().filter(|&id| handling.resources[id.index()].station == Some(station));
+        self.watch.at_new_rest.contains(&station) && of_station.any(|resource| self.wrong_rest(resource).is_some())
+    }
+
     /// Leaves resources out whose stations have been led to a rest from which nothing can be done with them, in hand mode or by
     /// themselves. Each is looked at once for each rest that it has come to, when nothing is under way there and it could work.
     pub(super) fn look_at_rests(&mut self, now: Tick, out: &mut PlayerOutbox) {
@@ -97,8 +106,7 @@ impl Coordination {
         // An activity of other resources that begins where it stands may lead it on.
         let is_led_on = table.modes().any(|mode| {
             let handled = handling.mode(mode);
-            let is_of_others = ![handled.from, handled.to].contains(&Some(resource)) || handled.from == handled.to;
-            is_of_others && begins(mode) == Some(stands)
+            ![handled.from, handled.to].contains(&Some(resource)) && begins(mode) == Some(stands)
         });
         if is_led_on {
             return None;
