@@ -33,7 +33,7 @@ pub const FAULTS_INDEX: u16 = 0x5F07;
 
 /// Manufacturer object 5F08h of a simulated I/O device: subindex n takes the part out of holder n − 1 of the line, by hand; the number is
 /// its position there, from 1. Subindex 0 reads as the outcome of the last that was written here or to 5F09h: 0 done, else the number
-/// of a [`PartRefusal`].
+/// of a [`PartRefusal`](crate::PartRefusal).
 pub const TAKE_INDEX: u16 = 0x5F08;
 /// Manufacturer object 5F09h of a simulated I/O device: the same, puts a part in.
 pub const PUT_INDEX: u16 = 0x5F09;

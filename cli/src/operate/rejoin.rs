@@ -252,7 +252,7 @@ mod tests {
         assert!(unchanged(Some(&known), None, false).contains("nothing to confirm"));
         // Without counts in common it takes a confirmation each time: no answer is no refusal.
         let without = Stand { generation: 0, ..known };
-        assert!(unchanged(Some(&without), None, false).contains("no answer received"));
+        assert!(unchanged(Some(&without), None, false).contains("name its operation with --within"));
         // A task-driven station never has any.
         let driven = Stand { is_task_driven: true, ..without };
         assert!(unchanged(Some(&driven), None, false).contains("nothing to confirm"));

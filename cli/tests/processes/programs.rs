@@ -101,9 +101,12 @@ fn programs_command_the_mode_by_the_rules_of_the_topic_and_are_answered() {
     assert_eq!(meet(&stranger, &set), "unknown command 0; commands: START (1) to RESET (7)");
     let unstamped = stranger.ask(&set, &SetModeRequest { command: SetModeRequest::START, ..SetModeRequest::default() });
     assert!(!unstamped.accepted && unstamped.reason.contains("without `stamp`"), "{}", unstamped.reason);
+    // A clock of its own, far from any other.
+    let began = Instant::now();
+    let clock = || 1_000_000 + i32::try_from(began.elapsed().as_secs()).expect("a short test");
     let give = |command: u8| {
         let (by, note) = ("scada".to_owned(), "shift begins".to_owned());
-        let stamp = Time { sec: 1_000_000, nanosec: 0 };
+        let stamp = Time { sec: clock(), nanosec: 0 };
         stranger.ask(&set, &SetModeRequest { command, stamp, by, note, ..SetModeRequest::default() })
     };
 
@@ -123,8 +126,8 @@ fn programs_command_the_mode_by_the_rules_of_the_topic_and_are_answered() {
         let stamp = Time { sec, nanosec: 0 };
         stranger.ask(&set, &SetModeRequest { command, stamp, ..SetModeRequest::default() })
     };
-    assert!(!stamped(SetModeRequest::AUTO, 1_000_000).accepted, "it is in auto already");
-    let late = stamped(SetModeRequest::STOP, 999_990);
+    assert!(!stamped(SetModeRequest::AUTO, clock()).accepted, "it is in auto already");
+    let late = stamped(SetModeRequest::STOP, clock() - 10);
     assert!(!late.accepted && late.reason.contains("it came more than 2 s late"), "{}", late.reason);
     assert!(operator.heard().in_mode(StationState::MODE_AUTO));
 
