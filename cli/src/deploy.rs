@@ -236,7 +236,8 @@ fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// Installs what lies beside it, and starts it. What is there already is replaced; state directories are left alone.
+/// The script that installs the files of a host's directory on that host, as root, and restarts its services. Files of the same names are
+/// replaced; directories with states of nodes are not touched.
 fn install_script<'a>(line: &str, host: &str, nodes: &[&str], files: impl Iterator<Item = &'a str>) -> String {
     let units: Vec<String> = nodes
         .iter()

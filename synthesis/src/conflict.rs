@@ -54,7 +54,7 @@ pub(crate) fn explain(
     let trap = within_limits(&few, limits, &mut |diagrams, _| {
         let good = control(diagrams, &few)?.good;
         let is_lost = |state: &MarkSet| !diagrams.has(&good, state);
-        Ok(way_into_trap(relations, &few, &MarkSet::new(), &is_lost, STATES_MAX))
+        Ok(way_into_trap(&few, &MarkSet::new(), &is_lost, STATES_MAX))
     })?;
     let products = products.to_vec();
     Ok(Contradiction { products, composition: few, conflict, trap, syntheses })

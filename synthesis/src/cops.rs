@@ -2,7 +2,7 @@
 
 use linewright_relations::{ConditionId, MachineId, OperationId, Precondition, Relations, TableRow};
 
-use crate::guard::Guard;
+use crate::guard::AddedGuard;
 use crate::model::Composition;
 use crate::supervisor::AddedPredecessor;
 
@@ -24,7 +24,7 @@ pub struct CoordinatedStep {
     /// Predecessors of the relations, on the same product.
     pub after: Precondition,
     /// What the supervisor adds, for each way of the operation that it adds anything to.
-    pub added: Vec<(Option<String>, Guard)>,
+    pub added: Vec<(Option<String>, AddedGuard)>,
     pub row: TableRow,
 }
 

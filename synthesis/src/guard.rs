@@ -23,7 +23,7 @@ pub struct MarkValue {
 
 /// A condition: one of its terms, each all of its values. With `allows` false it is what forbids.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Guard {
+pub struct AddedGuard {
     pub allows: bool,
     pub terms: Vec<Vec<MarkValue>>,
 }
@@ -34,7 +34,7 @@ pub(crate) fn readable(
     composition: &Composition,
     allow: &BDDFunction,
     forbid: &BDDFunction,
-) -> Result<Guard, OutOfMemory> {
+) -> Result<AddedGuard, OutOfMemory> {
     let mut marks: Vec<(Nth, Mark)> = diagrams.marks().to_vec();
     marks.sort_by_key(|(of, mark)| (*mark == Mark::Finished, composition.operations[*of].depth, *of, *mark));
     let (mut allow, mut forbid) = (allow.clone(), forbid.clone());
@@ -54,8 +54,8 @@ pub(crate) fn readable(
     let (forbids, _) = cover(diagrams, &kept, &forbid, &allow.not()?)?;
     let size = |terms: &[Vec<MarkValue>]| terms.iter().map(Vec::len).sum::<usize>() + terms.len();
     Ok(match size(&allows) <= size(&forbids) {
-        true => Guard { allows: true, terms: allows },
-        false => Guard { allows: false, terms: forbids },
+        true => AddedGuard { allows: true, terms: allows },
+        false => AddedGuard { allows: false, terms: forbids },
     })
 }
 

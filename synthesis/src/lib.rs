@@ -41,7 +41,7 @@ mod text;
 
 pub use conflict::Contradiction;
 pub use cops::{CoordinatedSequence, CoordinatedStep};
-pub use guard::{Guard, MarkValue};
+pub use guard::{AddedGuard, MarkValue};
 pub use lock::{Trap, WaitingMachine};
 pub use model::{Composition, Mark, ModelEvent, ModelOperation, Nth, Predicate, Requirement, Restriction};
 pub use supervisor::{

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
-use linewright_relations::{MachineId, Relations};
+use linewright_relations::MachineId;
 
 use crate::model::{Composition, Mark, MarkSet, ModelEvent, Nth, Predicate, Restriction};
 
@@ -51,12 +51,7 @@ impl Locked {
 ///
 /// Marks are added that may be set, beginning with none: an event may come where its condition can hold with these set or not. What is
 /// not added in the end never comes, since a mark that is set is not taken back.
-fn cannot_finish(
-    relations: &Relations,
-    composition: &Composition,
-    state: &MarkSet,
-    free: &BTreeSet<MachineId>,
-) -> Locked {
+fn cannot_finish(composition: &Composition, state: &MarkSet, free: &BTreeSet<MachineId>) -> Locked {
     let is_of = |of: Nth, machines: &BTreeSet<MachineId>| {
         composition.operations[of].machines.iter().any(|machine| machines.contains(machine))
     };
@@ -87,18 +82,17 @@ fn cannot_finish(
     let never = parts.iter().filter(|part| part.value(&|of, mark| locked.value(state, of, mark)) == Some(false));
     let machines =
         never.flat_map(|part| part.operations()).flat_map(|of| composition.operations[of].machines.iter().copied());
-    locked.machines =
-        machines.filter(|machine| !free.contains(machine) && machine.0 < relations.machines.len()).collect();
+    locked.machines = machines.filter(|machine| !free.contains(machine)).collect();
     locked
 }
 
 /// The machines of a cell that keep each other from finishing: of all that cannot, those of which none can be left out.
-fn locked(relations: &Relations, composition: &Composition, state: &MarkSet) -> Locked {
+fn locked(composition: &Composition, state: &MarkSet) -> Locked {
     let mut free = BTreeSet::new();
-    let mut core = cannot_finish(relations, composition, state, &free);
+    let mut core = cannot_finish(composition, state, &free);
     for machine in core.machines.clone() {
         free.insert(machine);
-        let fewer = cannot_finish(relations, composition, state, &free);
+        let fewer = cannot_finish(composition, state, &free);
         if fewer.machines.is_empty() {
             free.remove(&machine);
         } else {
@@ -152,12 +146,12 @@ fn waits(composition: &Composition, state: &MarkSet, locked: &Locked) -> Vec<Wai
 }
 
 /// What is wrong in a state for good, if anything.
-fn trapped(relations: &Relations, composition: &Composition, state: &MarkSet) -> Option<Trap> {
+fn trapped(composition: &Composition, state: &MarkSet) -> Option<Trap> {
     let trap = Trap { way: Vec::new(), is_shortest: true, locked: Vec::new(), violated: None };
     if let Some((of, restriction)) = composition.violated(state) {
         return Some(Trap { violated: Some((of, restriction.clone())), ..trap });
     }
-    let locked = locked(relations, composition, state);
+    let locked = locked(composition, state);
     (!locked.machines.is_empty()).then(|| Trap { locked: waits(composition, state, &locked), ..trap })
 }
 
@@ -167,7 +161,6 @@ type Arrival = (Option<usize>, Option<(Nth, Mark)>);
 /// A way from a state into a trap, through states that are lost already: the shortest, unless more than
 /// `states_max` lie between.
 pub(crate) fn way_into_trap(
-    relations: &Relations,
     composition: &Composition,
     from: &MarkSet,
     is_lost: &dyn Fn(&MarkSet) -> bool,
@@ -179,7 +172,7 @@ pub(crate) fn way_into_trap(
     while let Some((state, parent, by)) = queue.pop_front() {
         came.push((parent, by));
         let own = came.len() - 1;
-        if let Some(trap) = trapped(relations, composition, &state) {
+        if let Some(trap) = trapped(composition, &state) {
             let mut way = Vec::new();
             let mut at = Some(own);
             while let Some(nth) = at {
@@ -190,7 +183,7 @@ pub(crate) fn way_into_trap(
             return Some(Trap { way: without_ends(way), ..trap });
         }
         if seen.len() > states_max {
-            return some_way(relations, composition, from, is_lost);
+            return some_way(composition, from, is_lost);
         }
         for event in composition.enabled(&state) {
             let mut next = state.clone();
@@ -204,16 +197,11 @@ pub(crate) fn way_into_trap(
 }
 
 /// Some way into a trap: what is lost ends in one, since every run ends.
-fn some_way(
-    relations: &Relations,
-    composition: &Composition,
-    from: &MarkSet,
-    is_lost: &dyn Fn(&MarkSet) -> bool,
-) -> Option<Trap> {
+fn some_way(composition: &Composition, from: &MarkSet, is_lost: &dyn Fn(&MarkSet) -> bool) -> Option<Trap> {
     let mut state = from.clone();
     let mut way = Vec::new();
     loop {
-        if let Some(trap) = trapped(relations, composition, &state) {
+        if let Some(trap) = trapped(composition, &state) {
             return Some(Trap { way: without_ends(way), is_shortest: false, ..trap });
         }
         let next = composition.enabled(&state).map(|event| (event.of, event.mark)).find(|mark| {

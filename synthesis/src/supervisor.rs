@@ -8,7 +8,7 @@ use crate::compose::compose;
 use crate::conflict::{Contradiction, explain};
 use crate::cops::{CoordinatedSequence, coordinated};
 use crate::fixpoint::{Controlled, control};
-use crate::guard::{Guard, readable};
+use crate::guard::{AddedGuard, readable};
 use crate::lock::{Trap, way_into_trap};
 use crate::model::{Composition, Nth, Restriction};
 use crate::symbolic::{Diagrams, without};
@@ -84,7 +84,7 @@ pub struct SynthesisSizes {
 pub struct AddedPredecessor {
     /// Number in [`Composition::operations`].
     pub of: Nth,
-    pub guard: Guard,
+    pub guard: AddedGuard,
     pub reason: Trap,
 }
 
@@ -116,7 +116,7 @@ pub fn synthesise(
         if !controlled.supervised.satisfiable() {
             return Ok(None);
         }
-        let added = added(relations, diagrams, &composition, &controlled)?;
+        let added = added(diagrams, &composition, &controlled)?;
         let sizes = sizes(diagrams, &composition, &controlled, order);
         Ok(Some((added, sizes)))
     })?;
@@ -193,7 +193,6 @@ fn orders(composition: &Composition) -> Vec<(&'static str, Vec<Nth>)> {
 
 /// The events that a supervisor restricts.
 fn added(
-    relations: &Relations,
     diagrams: &mut Diagrams,
     composition: &Composition,
     controlled: &Controlled<'_>,
@@ -208,7 +207,7 @@ fn added(
         state.insert((event.event.of, event.event.mark));
         let is_lost = |state: &_| !diagrams.has(&controlled.good, state);
         let nothing = Trap { way: Vec::new(), is_shortest: false, locked: Vec::new(), violated: None };
-        let reason = way_into_trap(relations, composition, &state, &is_lost, STATES_MAX).unwrap_or(nothing);
+        let reason = way_into_trap(composition, &state, &is_lost, STATES_MAX).unwrap_or(nothing);
         added.push(AddedPredecessor { of: event.event.of, guard, reason });
     }
     Ok(added)

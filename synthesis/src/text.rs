@@ -1,9 +1,9 @@
 //! What synthesis has found, in the terms of planners.
 
-use linewright_relations::{InterlockedAction, MachineId, Precondition, Relations};
+use linewright_relations::{InterlockedAction, MachineId, MachineSequence, Precondition, Relations};
 
 use crate::cops::CoordinatedStep;
-use crate::guard::{Guard, MarkValue};
+use crate::guard::{AddedGuard, MarkValue};
 use crate::lock::{Trap, WaitingMachine};
 use crate::model::{Composition, Mark, Nth, Restriction};
 
@@ -49,7 +49,7 @@ impl Texts<'_> {
     }
 
     /// A condition of a supervisor: `56(P1) finished`.
-    pub fn guard(&self, guard: &Guard) -> String {
+    pub fn guard(&self, guard: &AddedGuard) -> String {
         let term = |term: &Vec<MarkValue>| term.iter().map(|value| self.value(value)).collect::<Vec<_>>().join(" and ");
         let terms: Vec<String> = guard.terms.iter().map(term).collect();
         let any = terms.join(", or ");
@@ -85,7 +85,7 @@ impl Texts<'_> {
             }
             Restriction::Booking(machine, zone) => {
                 let rows = self.relations.sequences.iter().filter(|sequence| sequence.machine == *machine);
-                let rows = rows.flat_map(|sequence| sequence.elements.iter().flat_map(|element| &element.alternatives));
+                let rows = rows.flat_map(MachineSequence::rows);
                 let mut rows: Vec<_> = rows.filter(|row| row.zones_before.contains(zone)).collect();
                 rows.sort_by_key(|row| row.row);
                 rows.dedup_by_key(|row| row.row);

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use linewright_relations::{ConditionId, Relations};
 use linewright_synthesis::monolithic::{OperationKey, explore};
-use linewright_synthesis::{Composition, Guard, Mark, Supervisor, Synthesis, SynthesisLimits, synthesise};
+use linewright_synthesis::{AddedGuard, Composition, Mark, Supervisor, Synthesis, SynthesisLimits, synthesise};
 
 use crate::cases::cases;
 use crate::generate::cell;
@@ -19,7 +19,7 @@ fn key(composition: &Composition, of: usize) -> OperationKey {
     (operation.instance, operation.operations[0], operation.way.clone(), operation.is_left_out)
 }
 
-fn allows(guard: &Guard, state: &BTreeSet<(usize, Mark)>) -> bool {
+fn allows(guard: &AddedGuard, state: &BTreeSet<(usize, Mark)>) -> bool {
     let holds =
         guard.terms.iter().any(|term| term.iter().all(|value| state.contains(&(value.of, value.mark)) == value.is_set));
     holds == guard.allows

@@ -1,6 +1,7 @@
 //! `part`: takes a part out of the simulated plant, or puts one in, over CAN.
 //!
-//! Any simulated I/O device of the bus does it, since all hang on one plant; it says afterwards whether it was possible.
+//! The request is written to a simulated I/O device of the bus that the place is on. All simulated devices of a bus share one plant, so that any of
+//! them will do. The outcome is read from the same device.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

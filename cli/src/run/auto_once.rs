@@ -98,7 +98,8 @@ mod tests {
         assert_eq!(way.next(&LineState { enabled: true, ..auto }, true), AutoStep::InAuto);
     }
 
-    /// A new life of the coordinator begins at home: nobody has led the line there. Nothing that was under way before is followed by auto.
+    /// A coordinator that is started again reports *home* although no station was brought there, so home alone is no reason to give *start* and
+    /// *auto*.
     #[test]
     fn a_coordinator_that_is_started_again_is_given_nothing() {
         let stand_by = state(StationState::MODE_STANDBY);

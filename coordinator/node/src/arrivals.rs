@@ -74,7 +74,8 @@ impl CoordinatorLoop {
         Ok(held)
     }
 
-    /// Takes a command in words, with a remark of its sender for the log; the text of its refusal, if it is not obeyed.
+    /// Obeys or refuses a command that is written as on the topic `mode_cmd`. `remark`: operator and reason, for the log. Gives the text of the
+    /// refusal; none if it is obeyed.
     pub(crate) fn operated(&mut self, from: ParticipantId, words: &str, remark: &str) -> Option<String> {
         let command = match command_of(&self.line, words) {
             Ok(command) => command,

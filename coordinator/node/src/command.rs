@@ -34,7 +34,7 @@ pub fn command_of(line: &Line, words: &str) -> Result<CoordinatorArrival, String
     Ok(CoordinatorArrival::Single(id, is_manual))
 }
 
-/// The command of a request, in the words of the topic.
+/// The command of a request of `set_mode`, as it is written on the topic `mode_cmd`, e.g. `manual robot`.
 ///
 /// # Errors
 /// When its number is none of a command.

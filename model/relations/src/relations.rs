@@ -343,10 +343,7 @@ impl Relations {
     /// The rows of the relations of a condition, in the order of the tables.
     pub fn related(&self, condition: ConditionId) -> impl Iterator<Item = (MachineId, &RelatedOperation)> {
         let sequences = self.sequences.iter().filter(move |sequence| sequence.condition == condition);
-        sequences.flat_map(|sequence| {
-            let rows = sequence.elements.iter().flat_map(|element| &element.alternatives);
-            rows.map(|row| (sequence.machine, row))
-        })
+        sequences.flat_map(|sequence| sequence.rows().map(|row| (sequence.machine, row)))
     }
 
     /// The ways of an operation: one execution for each.
@@ -372,6 +369,13 @@ impl Relations {
         }
         self.interlocks.iter_mut().flat_map(|interlock| &mut interlock.terms).for_each(|term| term.row = none);
         self
+    }
+}
+
+impl MachineSequence {
+    /// The rows of all its elements, in their order.
+    pub fn rows(&self) -> impl Iterator<Item = &RelatedOperation> {
+        self.elements.iter().flat_map(|element| &element.alternatives)
     }
 }
 

@@ -39,10 +39,11 @@ pub enum GoalStep {
     End(GoalEnd, u8),
 }
 
-/// What follows for a goal from its order as it was told last and as it is; `None`: it is not kept any more.
+/// What is to be done about a goal. `told`: state of its order in the last feedback; `now`: its present state, none where the cell does not
+/// keep the order any more.
 pub fn step_of(told: &ProductionState, now: Option<&ProductionState>, is_cancelled: bool) -> GoalStep {
     let Some(now) = now else { return GoalStep::End(GoalEnd::Aborted, DispatchOrderResult::END_UNKNOWN) };
-    // Nobody but its client has a goal cancelled; that the order was, by another, is no end that it asked for.
+    // Only its client cancels a goal. An order that another program has cancelled ends it as aborted.
     let cancelled = if is_cancelled { GoalEnd::Canceled } else { GoalEnd::Aborted };
     let is_over = now.ended != Default::default();
     match now.status {

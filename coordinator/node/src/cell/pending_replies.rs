@@ -28,7 +28,7 @@ pub enum Requester {
 /// Reply to the request of a goal.
 #[derive(Debug)]
 pub enum GoalNews {
-    /// Its order, or what is wrong with it.
+    /// The order that was made for the goal, or the reasons why none was made.
     Ordered(GoalHandle, Result<ProductionId, Vec<String>>),
     /// Its order is cancelled or withdrawn, or why it is not.
     Cancelled(GoalHandle, Result<(), String>),
@@ -130,7 +130,7 @@ impl Requester {
     }
 }
 
-/// What is wrong with requests, one after the other.
+/// The reasons for which production orders were denied: one for each wrong request, or one of all.
 fn problems(denied: &ProductionCommandError) -> Vec<String> {
     match denied {
         ProductionCommandError::Request(wrongs) => wrongs.iter().map(ToString::to_string).collect(),

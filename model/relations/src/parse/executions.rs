@@ -2,7 +2,7 @@
 
 use linewright_text::{LocatedName, Problem};
 
-use super::findings::Findings;
+use super::findings::TableFindings;
 use super::table::{WrittenRow, WrittenTable};
 use super::{operations, parts, row, table};
 use crate::{ComponentRef, ComponentState, Execution, ExecutionStep, MachineId, OperationId, Relations, ZoneId};
@@ -15,7 +15,7 @@ const ALARMS_MAX: u32 = 99;
 pub(crate) const INITIAL: &str = "initial";
 
 /// Reads a table of executions.
-pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findings<'_>) {
+pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut TableFindings<'_>) {
     let table = table::read(findings.sources[file].text, &COLUMNS, 2, true, &mut findings.reports[file]);
     let [Some(operation), Some(step)] = [0, 1].map(|nth| table.column(COLUMNS[nth])) else { return };
     let ids: Vec<String> = relations.operations.iter().map(|operation| operation.id.clone()).collect();
@@ -33,7 +33,7 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
         let (booked, released) =
             cell("zones").map_or_else(Default::default, |cell| zones(file, cell, relations, findings));
         let read = ExecutionStep {
-            states: states(&COLUMNS, &table, written, file, machine, relations, findings),
+            states: states(&table, written, file, machine, relations, findings),
             booked,
             released,
             alarm: cell("alarm").and_then(|cell| operations::number(file, cell, 1, ALARMS_MAX, findings)),
@@ -69,19 +69,18 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
     }
 }
 
-/// The states in the columns that are no columns of `known`. `*` is any; nothing and `-` leave the component out.
-pub(super) fn states(
-    known: &[&str],
+/// The states in the columns of components. `*` is any; nothing and `-` leave the component out.
+fn states(
     table: &WrittenTable,
     written: &WrittenRow,
     file: usize,
     own: MachineId,
     relations: &Relations,
-    findings: &mut Findings<'_>,
+    findings: &mut TableFindings<'_>,
 ) -> Vec<(ComponentRef, Option<ComponentState>)> {
     let mut states: Vec<(ComponentRef, Option<ComponentState>)> = Vec::new();
     for (column, cell) in table.columns.iter().zip(&written.cells) {
-        if known.contains(&column.value.as_str()) || matches!(cell.value.as_str(), "" | "-") {
+        if COLUMNS.contains(&column.value.as_str()) || matches!(cell.value.as_str(), "" | "-") {
             continue;
         }
         let Some(of) = findings.component(relations, file, column, Some(own)) else { continue };
@@ -108,7 +107,7 @@ fn zones(
     file: usize,
     cell: &LocatedName,
     relations: &Relations,
-    findings: &mut Findings<'_>,
+    findings: &mut TableFindings<'_>,
 ) -> (Vec<ZoneId>, Vec<ZoneId>) {
     let names: Vec<&str> = relations.zones.iter().map(|zone| zone.name.as_str()).collect();
     let (mut booked, mut released) = (Vec::new(), Vec::new());
@@ -116,7 +115,7 @@ fn zones(
     let mut rest = text;
     while !matches!(rest.trim(), "" | "-") {
         let mark = rest.split_once('(').and_then(|(mark, after)| Some((mark, after.split_once(')')?)));
-        let (list, after) = match mark {
+        rest = match mark {
             Some((mark, (list, after))) => {
                 let zones = match mark.trim_matches([' ', ',', ';']) {
                     "b" => &mut booked,
@@ -127,17 +126,15 @@ fn zones(
                 let list = LocatedName::new(list.to_owned(), at..at + list.len());
                 let found = findings.find_all(file, &list, "zone", names.iter().copied());
                 zones.extend(found.into_iter().map(ZoneId));
-                (list, after)
+                after
             }
             None => return wrong_zones(file, cell, findings),
         };
-        debug_assert!(list.at.end <= begin + text.len());
-        rest = after;
     }
     (booked, released)
 }
 
-fn wrong_zones(file: usize, cell: &LocatedName, findings: &mut Findings<'_>) -> (Vec<ZoneId>, Vec<ZoneId>) {
+fn wrong_zones(file: usize, cell: &LocatedName, findings: &mut TableFindings<'_>) -> (Vec<ZoneId>, Vec<ZoneId>) {
     let hint = "`b(…)` for zones that are booked and `u(…)` for zones that are free again, as in `b(2 4) u(8)`";
     let message = format!("`{}` are no marks of zones", cell.value.escape_debug());
     findings.reports[file].add(Problem::error(cell.at.clone(), message).hint(hint));

@@ -1,4 +1,4 @@
-//! Findings of all files, and the places of what was read.
+//! TableFindings of all files, and the places of what was read.
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,19 +10,18 @@ use crate::{ComponentRef, ConditionId, MachineId, Relations, TableRow};
 
 /// Something of `relations.toml`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Part {
+pub(super) enum DescribedPart {
     Machine(MachineId),
-    Component(ComponentRef),
     Condition(ConditionId),
 }
 
-/// Findings of all files, and the places of what was read.
-pub(super) struct Findings<'a> {
+/// TableFindings of all files, and the places of what was read.
+pub(super) struct TableFindings<'a> {
     pub sources: &'a [SourceText<'a>],
     /// One for each source.
     pub reports: Vec<Report>,
     rows: HashMap<TableRow, (TextRange, HashMap<String, TextRange>)>,
-    parts: HashMap<Part, TextRange>,
+    parts: HashMap<DescribedPart, TextRange>,
     /// What has been reported of rows: a row that is in several sequences has its problems once.
     known: HashSet<(TableRow, String)>,
     /// Operations that are declared, and not understood: their names are no slips.
@@ -31,10 +30,10 @@ pub(super) struct Findings<'a> {
     pub description: usize,
 }
 
-impl<'a> Findings<'a> {
+impl<'a> TableFindings<'a> {
     pub fn new(sources: &'a [SourceText<'a>], description: usize) -> Self {
         let reports = sources.iter().map(|_| Report::default()).collect();
-        Findings {
+        TableFindings {
             sources,
             reports,
             rows: HashMap::new(),
@@ -53,7 +52,7 @@ impl<'a> Findings<'a> {
     }
 
     /// Notes where a part of the description is.
-    pub fn note_part(&mut self, part: Part, at: TextRange) {
+    pub fn note_part(&mut self, part: DescribedPart, at: TextRange) {
         self.parts.insert(part, at);
     }
 
@@ -98,7 +97,7 @@ impl<'a> Findings<'a> {
     }
 
     /// Adds an error at a part of the description.
-    pub fn error_at(&mut self, part: Part, message: impl Into<String>, hint: impl Into<String>) {
+    pub fn error_at(&mut self, part: DescribedPart, message: impl Into<String>, hint: impl Into<String>) {
         let at = self.parts.get(&part).cloned().unwrap_or(0..0);
         self.reports[self.description].add(Problem::error(at, message).hint(hint));
     }

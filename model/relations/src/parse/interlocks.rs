@@ -2,7 +2,7 @@
 
 use linewright_text::{Located, LocatedName, Problem};
 
-use super::findings::Findings;
+use super::findings::TableFindings;
 use super::table::{WrittenRow, WrittenTable};
 use super::{parts, row, table};
 use crate::{
@@ -27,7 +27,7 @@ pub(crate) const COLUMNS: [&str; 10] = [
 pub(crate) const INITIALLY: &str = "initially ";
 
 /// Reads a table of interlocks.
-pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findings<'_>) {
+pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut TableFindings<'_>) {
     let table = table::read(findings.sources[file].text, &COLUMNS, 2, true, &mut findings.reports[file]);
     let [Some(action), Some(automatic)] = [0, 1].map(|nth| table.column(COLUMNS[nth])) else { return };
     let operations: Vec<String> = relations.operations.iter().map(|operation| operation.id.clone()).collect();
@@ -52,7 +52,7 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
                 false
             }
         };
-        let all = |findings: &mut Findings<'_>, column: &str, what: &str, known: &[String]| {
+        let all = |findings: &mut TableFindings<'_>, column: &str, what: &str, known: &[String]| {
             cell(column)
                 .map_or_else(Vec::new, |cell| findings.find_all(file, cell, what, known.iter().map(String::as_str)))
         };
@@ -88,7 +88,7 @@ fn interlocked(
     file: usize,
     relations: &Relations,
     operations: &[String],
-    findings: &mut Findings<'_>,
+    findings: &mut TableFindings<'_>,
 ) -> Option<(InterlockedAction, MachineId)> {
     if !of.value.contains('.') {
         let operation = OperationId(findings.find(file, of, "operation", operations.iter().map(String::as_str))?);
@@ -116,7 +116,7 @@ fn states(
     file: usize,
     own: MachineId,
     relations: &Relations,
-    findings: &mut Findings<'_>,
+    findings: &mut TableFindings<'_>,
 ) -> Vec<InterlockState> {
     let mut states: Vec<InterlockState> = Vec::new();
     for (column, cell) in table.columns.iter().zip(&written.cells) {

@@ -20,7 +20,7 @@ mod rules;
 pub(crate) mod sequences;
 mod table;
 
-use findings::Findings;
+use findings::TableFindings;
 use linewright_text::{Keys, Problem, Problems, Shape};
 
 use crate::{Relations, TableRow};
@@ -82,7 +82,7 @@ pub fn parse(sources: &[SourceText<'_>]) -> Result<ParsedRelations, Vec<Problems
             .hint("it names the cell, its machines, zones and cycle start conditions");
         return Err(vec![Problems::new(DESCRIPTION, "", vec![problem])]);
     };
-    let mut findings = Findings::new(sources, description);
+    let mut findings = TableFindings::new(sources, description);
     let relations = understand(&mut findings);
     let is_wrong = findings.has_errors();
     let reports = findings.reports.into_iter().zip(sources);
@@ -99,7 +99,7 @@ pub fn schema() -> Shape {
     raw::RawRelations::shape()
 }
 
-fn understand(findings: &mut Findings<'_>) -> Option<Relations> {
+fn understand(findings: &mut TableFindings<'_>) -> Option<Relations> {
     for (source, report) in findings.sources.iter().zip(&mut findings.reports) {
         if !linewright_text::is_bounded(source.text, "the file", report) {
             return None;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_text::{LocatedName, Problem};
 
-use super::findings::Findings;
+use super::findings::TableFindings;
 use super::{parts, row, table};
 use crate::{ConditionId, DeclaredOperation, MachineId, Relations, ZoneId};
 
@@ -16,7 +16,7 @@ const DURATION_MAX_S: f64 = 86_400.0;
 const OPERATIONS_MAX: usize = 2000;
 
 /// Reads a table of operations.
-pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findings<'_>) {
+pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut TableFindings<'_>) {
     let table = table::read(findings.sources[file].text, &COLUMNS, 3, false, &mut findings.reports[file]);
     let [Some(id), Some(machine), Some(conditions)] = [0, 1, 2].map(|nth| table.column(COLUMNS[nth])) else { return };
     for written in &table.rows {
@@ -72,7 +72,7 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
 }
 
 /// A duration in seconds, with a decimal point or comma.
-pub(super) fn seconds(file: usize, cell: &LocatedName, findings: &mut Findings<'_>) -> Option<Duration> {
+pub(super) fn seconds(file: usize, cell: &LocatedName, findings: &mut TableFindings<'_>) -> Option<Duration> {
     let seconds = cell.value.replace(',', ".").parse::<f64>().ok();
     let seconds = seconds.filter(|seconds| (0.0..=DURATION_MAX_S).contains(seconds));
     if seconds.is_none() {
@@ -84,7 +84,13 @@ pub(super) fn seconds(file: usize, cell: &LocatedName, findings: &mut Findings<'
 }
 
 /// A whole number within bounds.
-pub(super) fn number(file: usize, cell: &LocatedName, low: u32, high: u32, findings: &mut Findings<'_>) -> Option<u32> {
+pub(super) fn number(
+    file: usize,
+    cell: &LocatedName,
+    low: u32,
+    high: u32,
+    findings: &mut TableFindings<'_>,
+) -> Option<u32> {
     let number = cell.value.parse::<u32>().ok().filter(|number| (low..=high).contains(number));
     if number.is_none() {
         let message = format!("`{}` is no whole number from {low} to {high}", cell.value);

@@ -2,7 +2,7 @@
 
 use linewright_text::{LocatedName, NAME_MAX, Problem, suggestion};
 
-use super::findings::{Findings, Part};
+use super::findings::{DescribedPart, TableFindings};
 use super::raw::{RawComponent, RawMachine, RawRelations};
 use crate::{
     CellFunction, CellMachine, CollisionZone, ComponentRef, ComponentState, ConditionId, MachineComponent, MachineId,
@@ -22,7 +22,7 @@ fn is_name(text: &str) -> bool {
 }
 
 /// Reports a name that cells of tables could not contain; gives it back where it is one.
-pub(super) fn name(findings: &mut Findings<'_>, file: usize, name: &LocatedName, what: &str) -> Option<String> {
+pub(super) fn name(findings: &mut TableFindings<'_>, file: usize, name: &LocatedName, what: &str) -> Option<String> {
     if is_name(&name.value) {
         return Some(name.value.clone());
     }
@@ -45,7 +45,7 @@ impl<'a> Known<'a> {
     }
 
     /// The name of a new part; none where it has none, or another part has it.
-    fn add(&mut self, written: &'a Option<LocatedName>, findings: &mut Findings<'_>) -> Option<String> {
+    fn add(&mut self, written: &'a Option<LocatedName>, findings: &mut TableFindings<'_>) -> Option<String> {
         let file = findings.description;
         let written = written.as_ref()?;
         let value = name(findings, file, written, self.what)?;
@@ -64,7 +64,7 @@ fn title(title: &Option<LocatedName>, name: &str) -> String {
 }
 
 /// Reads everything but the tables.
-pub(super) fn read(raw: &RawRelations, findings: &mut Findings<'_>) -> Relations {
+pub(super) fn read(raw: &RawRelations, findings: &mut TableFindings<'_>) -> Relations {
     let named = raw.name.as_ref().and_then(|written| name(findings, findings.description, written, "a cell"));
     let named = named.unwrap_or_default();
     let mut relations = Relations {
@@ -85,8 +85,8 @@ pub(super) fn read(raw: &RawRelations, findings: &mut Findings<'_>) -> Relations
     for machine in &raw.machines {
         if let Some(name) = known.add(&machine.name, findings) {
             let id = MachineId(relations.machines.len());
-            findings.note_part(Part::Machine(id), place(&machine.name));
-            let components = components(id, machine, findings);
+            findings.note_part(DescribedPart::Machine(id), place(&machine.name));
+            let components = components(machine, findings);
             relations.machines.push(CellMachine { title: title(&machine.title, &name), name, components });
         }
     }
@@ -99,7 +99,7 @@ pub(super) fn read(raw: &RawRelations, findings: &mut Findings<'_>) -> Relations
     let mut known = Known::of("a condition");
     for condition in &raw.conditions {
         let Some(name) = known.add(&condition.name, findings) else { continue };
-        findings.note_part(Part::Condition(ConditionId(relations.conditions.len())), place(&condition.name));
+        findings.note_part(DescribedPart::Condition(ConditionId(relations.conditions.len())), place(&condition.name));
         let written = condition.states.iter().flatten();
         let states = written.filter_map(|(of, state)| condition_state(&relations, of, state, findings)).collect();
         let product = condition.product.as_ref();
@@ -135,13 +135,11 @@ fn place(name: &Option<LocatedName>) -> linewright_text::TextRange {
     name.as_ref().map_or(0..0, |name| name.at.clone())
 }
 
-fn components(machine: MachineId, raw: &RawMachine, findings: &mut Findings<'_>) -> Vec<MachineComponent> {
+fn components(raw: &RawMachine, findings: &mut TableFindings<'_>) -> Vec<MachineComponent> {
     let mut known = Known::of("a component");
     let mut components = Vec::new();
     for written in &raw.components {
         let (Some(name), Some(kind)) = (known.add(&written.name, findings), &written.kind) else { continue };
-        let of = ComponentRef { machine, component: components.len() };
-        findings.note_part(Part::Component(of), place(&written.name));
         components.push(MachineComponent {
             title: title(&written.title, &name),
             kind: kind.value,
@@ -155,7 +153,7 @@ fn components(machine: MachineId, raw: &RawMachine, findings: &mut Findings<'_>)
 }
 
 /// The states of a component: at least two (rule 1).
-fn states(raw: &RawComponent, component: &str, findings: &mut Findings<'_>) -> Vec<String> {
+fn states(raw: &RawComponent, component: &str, findings: &mut TableFindings<'_>) -> Vec<String> {
     let Some(written) = &raw.states else { return Vec::new() };
     let file = findings.description;
     let mut states: Vec<String> = Vec::new();
@@ -179,7 +177,7 @@ fn condition_state(
     relations: &Relations,
     of: &LocatedName,
     state: &LocatedName,
-    findings: &mut Findings<'_>,
+    findings: &mut TableFindings<'_>,
 ) -> Option<(ComponentRef, ComponentState)> {
     let file = findings.description;
     if !of.value.contains('.') {
@@ -205,7 +203,7 @@ pub(super) fn component_state(
     of: ComponentRef,
     state: &LocatedName,
     file: usize,
-    findings: &mut Findings<'_>,
+    findings: &mut TableFindings<'_>,
 ) -> Option<ComponentState> {
     let what = format!("state of {}", relations.component_name(of));
     let known = relations.component(of).states.iter().map(String::as_str);

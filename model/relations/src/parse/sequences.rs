@@ -2,7 +2,7 @@
 
 use linewright_text::{Located, Problem, suggestion};
 
-use super::findings::Findings;
+use super::findings::TableFindings;
 use super::{row, table};
 use crate::{
     ConditionId, MachineId, MachineSequence, OperationId, OperationKind, Precondition, RelatedOperation, Relations,
@@ -14,7 +14,7 @@ pub(crate) const COLUMNS: [&str; 9] =
     ["machine", "operation", "after", "conditions", "kind", "group", "zones_before", "zones_after", "comment"];
 
 /// Reads a table of relations. The order of its rows is the order of the work of each machine.
-pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findings<'_>) {
+pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut TableFindings<'_>) {
     let table = table::read(findings.sources[file].text, &COLUMNS, 3, false, &mut findings.reports[file]);
     let [Some(machine), Some(operation), Some(after)] = [0, 1, 2].map(|nth| table.column(COLUMNS[nth])) else { return };
     let machines: Vec<String> = relations.machines.iter().map(|machine| machine.name.clone()).collect();
@@ -55,7 +55,7 @@ pub(super) fn read(file: usize, relations: &mut Relations, findings: &mut Findin
                 .find(file, cell, "kind", OperationKind::ALL.iter().map(|(word, _)| *word))
                 .map(|nth| OperationKind::ALL[nth].1),
         };
-        let all = |findings: &mut Findings<'_>, column: &str, what: &str, known: &[String]| {
+        let all = |findings: &mut TableFindings<'_>, column: &str, what: &str, known: &[String]| {
             cell(column)
                 .map_or_else(Vec::new, |cell| findings.find_all(file, cell, what, known.iter().map(String::as_str)))
         };

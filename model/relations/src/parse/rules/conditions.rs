@@ -1,11 +1,11 @@
 //! Conditions, and what is to be done in each.
 
 use super::listed;
-use crate::parse::findings::{Findings, Part};
+use crate::parse::findings::{DescribedPart, TableFindings};
 use crate::{ConditionId, MachineId, Relations};
 
 /// Every operation of a condition is in the relations of that condition, and no other (rule 3b).
-pub(super) fn operations_are_related(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn operations_are_related(relations: &Relations, findings: &mut TableFindings<'_>) {
     for (nth, operation) in relations.operations.iter().enumerate() {
         for condition in &operation.conditions {
             if !relations.related(*condition).any(|(_, row)| row.operation.0 == nth) {
@@ -19,7 +19,7 @@ pub(super) fn operations_are_related(relations: &Relations, findings: &mut Findi
     }
     for sequence in &relations.sequences {
         let name = &relations.conditions[sequence.condition.0].name;
-        for row in sequence.elements.iter().flat_map(|element| &element.alternatives) {
+        for row in sequence.rows() {
             let operation = relations.operation(row.operation);
             if !operation.conditions.contains(&sequence.condition) {
                 let of = operation.conditions.iter().map(|condition| relations.conditions[condition.0].name.as_str());
@@ -32,7 +32,7 @@ pub(super) fn operations_are_related(relations: &Relations, findings: &mut Findi
 }
 
 /// Every machine has a sequence in every condition: it completes one before the next begins (rule 7).
-pub(super) fn every_machine_has_a_sequence(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn every_machine_has_a_sequence(relations: &Relations, findings: &mut TableFindings<'_>) {
     for (nth, machine) in relations.machines.iter().enumerate() {
         let id = MachineId(nth);
         let without = (0..relations.conditions.len())
@@ -42,13 +42,13 @@ pub(super) fn every_machine_has_a_sequence(relations: &Relations, findings: &mut
             let message = format!("{} has nothing to do in condition {}", machine.name, listed(without));
             let hint = "every machine completes a sequence before the next begins (rule 7), so that products keep their order: give \
                         it an operation without an action";
-            findings.error_at(Part::Machine(id), message, hint);
+            findings.error_at(DescribedPart::Machine(id), message, hint);
         }
     }
 }
 
 /// Of two conditions of a work cycle at most one is valid at a time (rule 3e).
-pub(super) fn start_conditions_differ(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn start_conditions_differ(relations: &Relations, findings: &mut TableFindings<'_>) {
     for (nth, condition) in relations.conditions.iter().enumerate() {
         for other in &relations.conditions[..nth] {
             let differs = condition
@@ -60,16 +60,16 @@ pub(super) fn start_conditions_differ(relations: &Relations, findings: &mut Find
             if !differs && condition.cycle == other.cycle {
                 let message = format!("conditions {} and {} can be valid at once", other.name, condition.name);
                 let hint = "each has states, or a product, that the other has not (rule 3)";
-                findings.error_at(Part::Condition(ConditionId(nth)), message, hint);
+                findings.error_at(DescribedPart::Condition(ConditionId(nth)), message, hint);
             }
         }
     }
 }
 
 /// A machine has operations of its own alone (rule 2).
-pub(super) fn rows_are_of_their_machine(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn rows_are_of_their_machine(relations: &Relations, findings: &mut TableFindings<'_>) {
     for sequence in &relations.sequences {
-        for row in sequence.elements.iter().flat_map(|element| &element.alternatives) {
+        for row in sequence.rows() {
             let operation = relations.operation(row.operation);
             if operation.machine != sequence.machine {
                 let of = &relations.machine(operation.machine).name;

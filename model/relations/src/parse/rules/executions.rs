@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::parse::findings::Findings;
+use crate::parse::findings::TableFindings;
 use crate::{
     ComponentKind, ComponentRef, ComponentState, Execution, MachineSequence, OperationId, Relations, SequenceElement,
 };
 
 /// A sequence begins with the check of its machine's home position: one row, the same for all sequences (rule 6).
-pub(super) fn sequences_begin_at_home(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn sequences_begin_at_home(relations: &Relations, findings: &mut TableFindings<'_>) {
     let has_components = |sequence: &&MachineSequence| !relations.machine(sequence.machine).components.is_empty();
     let mut homes: BTreeMap<_, &Execution> = BTreeMap::new();
     for sequence in relations.sequences.iter().filter(has_components) {
@@ -38,7 +38,7 @@ pub(super) fn sequences_begin_at_home(relations: &Relations, findings: &mut Find
 
 /// Each row of an execution has all its components; states of other machines that choose a way stand in the initial row alone
 /// (rules 2b and 9).
-pub(super) fn rows_name_the_same_components(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn rows_name_the_same_components(relations: &Relations, findings: &mut TableFindings<'_>) {
     for execution in &relations.executions {
         let own = relations.operation(execution.operation).machine;
         let chooses = |of: &ComponentRef| of.machine != own && relations.component(*of).kind.is_active();
@@ -69,7 +69,7 @@ pub(super) fn rows_name_the_same_components(relations: &Relations, findings: &mu
 }
 
 /// An action changes components of its machine that can be ordered, sensors of others, or books zones (rules 1, 2 and 8).
-pub(super) fn actions_change_what_they_may(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn actions_change_what_they_may(relations: &Relations, findings: &mut TableFindings<'_>) {
     for execution in &relations.executions {
         let own = relations.operation(execution.operation).machine;
         let steps: Vec<_> = execution.steps().collect();
@@ -105,7 +105,7 @@ pub(super) fn actions_change_what_they_may(relations: &Relations, findings: &mut
 type Possible = BTreeMap<ComponentRef, BTreeSet<ComponentState>>;
 
 /// A machine is where the next execution expects it, and at home in the end (rule 3d).
-pub(super) fn states_follow_each_other(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn states_follow_each_other(relations: &Relations, findings: &mut TableFindings<'_>) {
     for sequence in &relations.sequences {
         let mut possible = Possible::new();
         for element in &sequence.elements {
@@ -134,7 +134,7 @@ fn follow(
     sequence: &MachineSequence,
     element: &SequenceElement,
     possible: &mut Possible,
-    findings: &mut Findings<'_>,
+    findings: &mut TableFindings<'_>,
 ) {
     // What is ordered by this machine alone.
     let is_own = |of: &ComponentRef| of.machine == sequence.machine && relations.component(*of).kind.is_active();

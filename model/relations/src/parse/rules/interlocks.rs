@@ -1,11 +1,11 @@
 //! Interlocks: their states are those of executions, and executions fulfil them.
 
 use super::zones::is_ordered;
-use crate::parse::findings::Findings;
+use crate::parse::findings::TableFindings;
 use crate::{ComponentState, Execution, ExecutionStep, Interlock, InterlockTerm, InterlockedAction, Relations};
 
 /// The state of another machine that an automatic term asks for is one that an execution brings about (rule 5).
-pub(super) fn external_states_are_declared(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn external_states_are_declared(relations: &Relations, findings: &mut TableFindings<'_>) {
     for interlock in &relations.interlocks {
         let own = match &interlock.action {
             InterlockedAction::State { component, .. } => component.machine,
@@ -28,7 +28,7 @@ pub(super) fn external_states_are_declared(relations: &Relations, findings: &mut
 }
 
 /// An execution that does an action fulfils the internal states of a term that is expected in automatic mode.
-pub(super) fn executions_fulfil_an_automatic_term(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn executions_fulfil_an_automatic_term(relations: &Relations, findings: &mut TableFindings<'_>) {
     for interlock in &relations.interlocks {
         let InterlockedAction::State { component, to } = interlock.action else { continue };
         let name = format!("{} to {}", relations.component_name(component), relations.state_name(component, to));

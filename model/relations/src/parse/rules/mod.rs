@@ -10,11 +10,11 @@ mod order;
 mod ways;
 mod zones;
 
-use super::findings::Findings;
+use super::findings::TableFindings;
 use crate::Relations;
 
 /// Asks every rule. What is wrong with the sequences themselves would be reported by the later ones many times over.
-pub(super) fn check(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn check(relations: &Relations, findings: &mut TableFindings<'_>) {
     conditions::operations_are_related(relations, findings);
     conditions::every_machine_has_a_sequence(relations, findings);
     conditions::start_conditions_differ(relations, findings);

@@ -3,14 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::listed;
-use crate::parse::findings::Findings;
+use crate::parse::findings::TableFindings;
 use crate::{ConditionId, MachineSequence, OperationId, OperationKind, RelatedOperation, Relations};
 
 /// An operation stands once in a sequence, whose order is fixed (rule 3a).
-pub(super) fn each_operation_stands_once(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn each_operation_stands_once(relations: &Relations, findings: &mut TableFindings<'_>) {
     for sequence in &relations.sequences {
         let mut known: BTreeMap<OperationId, &RelatedOperation> = BTreeMap::new();
-        for row in sequence.elements.iter().flat_map(|element| &element.alternatives) {
+        for row in sequence.rows() {
             if let Some(first) = known.insert(row.operation, row) {
                 let name = &relations.operation(row.operation).id;
                 let message = format!("operation `{name}` stands twice in one sequence");
@@ -23,7 +23,7 @@ pub(super) fn each_operation_stands_once(relations: &Relations, findings: &mut F
 }
 
 /// Alternatives stand beside each other and are at least two (rule 3c); parallel operations are of several machines (rule 11).
-pub(super) fn groups_are_whole(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn groups_are_whole(relations: &Relations, findings: &mut TableFindings<'_>) {
     for sequence in &relations.sequences {
         let mut ended: BTreeSet<&str> = BTreeSet::new();
         for element in &sequence.elements {
@@ -58,7 +58,7 @@ pub(super) fn groups_are_whole(relations: &Relations, findings: &mut Findings<'_
     }
 }
 
-fn parallel_groups(relations: &Relations, condition: ConditionId, findings: &mut Findings<'_>) {
+fn parallel_groups(relations: &Relations, condition: ConditionId, findings: &mut TableFindings<'_>) {
     let mut groups: BTreeMap<Option<&str>, Vec<_>> = BTreeMap::new();
     for (machine, row) in relations.related(condition).filter(|(_, row)| row.kind == OperationKind::Parallel) {
         groups.entry(row.group.as_deref()).or_default().push((machine, row));
@@ -89,14 +89,14 @@ fn parallel_groups(relations: &Relations, condition: ConditionId, findings: &mut
 }
 
 /// Predecessors are operations of the same condition that can be finished before (rule 4).
-pub(super) fn predecessors_can_be_finished(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn predecessors_can_be_finished(relations: &Relations, findings: &mut TableFindings<'_>) {
     for condition in 0..relations.conditions.len() {
         let condition = ConditionId(condition);
         let name = &relations.conditions[condition.0].name;
         let order = Order::of(relations, condition);
         let mut is_possible = true;
         for sequence in relations.sequences.iter().filter(|sequence| sequence.condition == condition) {
-            for row in sequence.elements.iter().flat_map(|element| &element.alternatives) {
+            for row in sequence.rows() {
                 let own = &relations.operation(row.operation).id;
                 for other in row.after.operations() {
                     let id = &relations.operation(other).id;
@@ -122,7 +122,7 @@ pub(super) fn predecessors_can_be_finished(relations: &Relations, findings: &mut
 }
 
 /// No operation waits for itself, directly or through others; each ring is reported once.
-fn no_ring(relations: &Relations, condition: ConditionId, order: &Order, findings: &mut Findings<'_>) {
+fn no_ring(relations: &Relations, condition: ConditionId, order: &Order, findings: &mut TableFindings<'_>) {
     for (_, row) in relations.related(condition) {
         let own = row.operation;
         let ring: Vec<_> = order.before(own).iter().filter(|other| order.before(**other).contains(&own)).collect();

@@ -1,12 +1,12 @@
 //! Ways of an operation, alternatives, and passive components that several machines affect.
 
 use super::order::Order;
-use crate::parse::findings::Findings;
+use crate::parse::findings::TableFindings;
 use crate::{ComponentRef, ComponentState, ConditionId, Execution, OperationId, OperationKind, Relations};
 
 /// An operation that is executed in several ways has an execution for each (rule 12), and so has an alternative; their initial
 /// states are different.
-pub(super) fn ways_differ(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn ways_differ(relations: &Relations, findings: &mut TableFindings<'_>) {
     for sequence in &relations.sequences {
         for element in &sequence.elements {
             for row in &element.alternatives {
@@ -50,7 +50,7 @@ fn can_both_begin(one: &Execution, other: &Execution) -> bool {
 }
 
 /// The same action is not shown by different sensors in different ways (rule 10).
-pub(super) fn ends_are_detected_alike(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn ends_are_detected_alike(relations: &Relations, findings: &mut TableFindings<'_>) {
     for (nth, way) in relations.executions.iter().enumerate() {
         let others = relations.executions[..nth].iter().filter(|other| other.operation == way.operation);
         for other in others {
@@ -85,7 +85,7 @@ fn components(of: &[(ComponentRef, Option<ComponentState>)]) -> Vec<ComponentRef
 }
 
 /// While an operation affects a passive component of another machine, no other machine does (rule 2c).
-pub(super) fn passive_components_are_affected_one_by_one(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn passive_components_are_affected_one_by_one(relations: &Relations, findings: &mut TableFindings<'_>) {
     let affected: Vec<(OperationId, ComponentRef, &Execution)> =
         relations.executions.iter().flat_map(affects(relations)).collect();
     for condition in 0..relations.conditions.len() {

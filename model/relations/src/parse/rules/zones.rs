@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 
 use super::listed;
-use crate::parse::findings::Findings;
+use crate::parse::findings::TableFindings;
 use crate::{InterlockedAction, MachineSequence, RelatedOperation, Relations, ZoneId};
 
 type Zones = BTreeSet<ZoneId>;
@@ -31,7 +31,7 @@ fn held(sequence: &MachineSequence) -> Vec<(&RelatedOperation, Zones)> {
 }
 
 /// A zone that is kept is one that was taken, and a later operation frees it.
-pub(super) fn zones_are_kept_until_they_are_freed(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn zones_are_kept_until_they_are_freed(relations: &Relations, findings: &mut TableFindings<'_>) {
     for sequence in &relations.sequences {
         for (nth, element) in sequence.elements.iter().enumerate() {
             let first = &element.alternatives[0];
@@ -89,7 +89,7 @@ pub(super) fn zones_are_kept_until_they_are_freed(relations: &Relations, finding
 }
 
 /// The marks of an execution come to the zones of the relations.
-pub(super) fn executions_book_what_relations_say(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn executions_book_what_relations_say(relations: &Relations, findings: &mut TableFindings<'_>) {
     for sequence in &relations.sequences {
         for (row, had) in held(sequence) {
             let before: Zones = row.zones_before.iter().copied().collect();
@@ -136,9 +136,9 @@ pub(super) fn executions_book_what_relations_say(relations: &Relations, findings
 }
 
 /// Zones of the declaration, where it has any, are those of the relations.
-pub(super) fn declared_zones_are_those_of_relations(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn declared_zones_are_those_of_relations(relations: &Relations, findings: &mut TableFindings<'_>) {
     for sequence in &relations.sequences {
-        for row in sequence.elements.iter().flat_map(|element| &element.alternatives) {
+        for row in sequence.rows() {
             let operation = relations.operation(row.operation);
             let Some(declared) = &operation.zones else { continue };
             let (declared, before): (Zones, Zones) =
@@ -155,7 +155,7 @@ pub(super) fn declared_zones_are_those_of_relations(relations: &Relations, findi
 }
 
 /// The terms that are expected in automatic mode book what the execution has while it does the action.
-pub(super) fn interlocks_book_what_executions_do(relations: &Relations, findings: &mut Findings<'_>) {
+pub(super) fn interlocks_book_what_executions_do(relations: &Relations, findings: &mut TableFindings<'_>) {
     for sequence in &relations.sequences {
         for (row, had) in held(sequence) {
             for way in relations.ways(row.operation) {
